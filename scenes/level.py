@@ -1,0 +1,41 @@
+"""A level as it was read from a file: the scene, and what its reader has to say about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from scenes.scene import Scene
+
+
+class Severity(StrEnum):
+    """How much a note matters."""
+
+    INFO = "info"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True)
+class Note:
+    """One thing the reader ignored, approximated or found odd.
+
+    Attributes:
+        severity: `warning` where the picture or the measurement may be affected.
+        where: The place in the file, such as `mesh 3 "Tree", primitive 0`.
+        text: One sentence for the level's author.
+    """
+
+    severity: Severity
+    where: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Level:
+    """A scene with the file it came from."""
+
+    path: Path
+    format: str
+    scene: Scene
+    notes: tuple[Note, ...] = ()

@@ -1,0 +1,214 @@
+"""What a level contains: meshes, lights and cameras, frozen and comparable by digest.
+
+Metres, radians, right-handed, Y up, column vectors. Arrays are read-only.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Positions = npt.NDArray[np.float32]
+Triangles = npt.NDArray[np.int32]
+
+
+class LightKind(StrEnum):
+    """The three light kinds of KHR_lights_punctual."""
+
+    SPOT = "spot"
+    POINT = "point"
+    DIRECTIONAL = "directional"
+
+
+class Mobility(StrEnum):
+    """Whether a light's map or volumes may be kept from one frame to the next."""
+
+    STATIC = "static"
+    DYNAMIC = "dynamic"
+
+
+def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> npt.NDArray[Any]:
+    """`values` as a read-only C-contiguous array; -1 in `shape` stands for any length."""
+    array = np.ascontiguousarray(values, dtype=dtype).reshape(shape)
+    if array.flags.writeable:
+        array = array.copy()
+        array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """One geometry, placed once or many times.
+
+    Attributes:
+        name: The author's name for it.
+        positions: (v, 3) float32, local space.
+        triangles: (t, 3) int32, indices into `positions`, stored winding.
+        placements: (k, 4, 4) float64, world from local, column vectors, metres.
+        casts: Whether it casts shadows (alpha-blended surfaces do not).
+        base_color: Linear RGB, for pictures only.
+        node: Index of the node that places it in the source file, if there is one.
+    """
+
+    name: str
+    positions: Positions
+    triangles: Triangles
+    placements: Array = field(default_factory=lambda: np.eye(4)[None])
+    casts: bool = True
+    base_color: tuple[float, float, float] = (0.8, 0.8, 0.8)
+    node: int | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "positions", frozen_array(self.positions, np.float32, (-1, 3)))
+        object.__setattr__(self, "triangles", frozen_array(self.triangles, np.int32, (-1, 3)))
+        object.__setattr__(self, "placements", frozen_array(self.placements, np.float64, (-1, 4, 4)))
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles drawn, over all placements."""
+        return len(self.triangles) * len(self.placements)
+
+    def world_positions(self) -> Array:
+        """(k, v, 3) float64 world positions in metres, the same bits on every machine.
+
+        Elementwise products and sums in a fixed order: `@` may fuse or reorder them.
+        """
+        local = self.positions.astype(np.float64)
+        columns = [self.placements[:, None, :3, axis] * local[None, :, axis, None] for axis in range(3)]
+        return ((columns[0] + columns[1]) + columns[2]) + self.placements[:, None, :3, 3]
+
+
+@dataclass(frozen=True)
+class Light:
+    """One light in the level.
+
+    Attributes:
+        name: The author's name for it.
+        kind: Spot, point or directional.
+        position: World position in metres; ignored for a directional light.
+        direction: Unit vector in which the light shines; ignored for a point light.
+        inner_cone_rad: Half angle where a spot's fall-off starts.
+        outer_cone_rad: Half angle where a spot ends.
+        range_m: Distance at which the light ends; `inf` where the file sets none.
+        intensity: Candela (spot, point) or lux (directional).
+        color: Linear RGB.
+        mobility: Whether the light, and what it lights, stands still.
+        node: Index of the node that carries it in the source file, if there is one.
+    """
+
+    name: str
+    kind: LightKind
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    inner_cone_rad: float = 0.0
+    outer_cone_rad: float = float(np.pi / 4)
+    range_m: float = float("inf")
+    intensity: float = 1.0
+    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    mobility: Mobility = Mobility.DYNAMIC
+    node: int | None = None
+
+    @property
+    def homogeneous(self) -> Array:
+        """(4,) float64: (position, 1), or (unit vector towards the light, 0) for a directional light."""
+        if self.kind is LightKind.DIRECTIONAL:
+            return np.array([*(-component for component in self.direction), 0.0])
+        return np.array([*self.position, 1.0])
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A perspective camera.
+
+    Attributes:
+        name: The author's name, or the rule that placed it.
+        position: World position in metres.
+        forward: Unit vector in which it looks.
+        up: Unit vector, orthogonal to `forward`.
+        yfov_rad: Full vertical field of view.
+        near_m: Distance of the near plane. The far plane is at infinity for rendering.
+        node: Index of the node that carries it in the source file, if there is one.
+    """
+
+    name: str
+    position: tuple[float, float, float]
+    forward: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    yfov_rad: float = float(np.pi / 4)
+    near_m: float = 0.1
+    node: int | None = None
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera with a resolution in pixels."""
+
+    camera: Camera
+    width: int
+    height: int
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Everything that decides how a level's shadows look."""
+
+    name: str
+    meshes: tuple[Mesh, ...]
+    lights: tuple[Light, ...] = ()
+    cameras: tuple[Camera, ...] = ()
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles drawn, over all meshes and placements."""
+        return sum(mesh.triangle_count for mesh in self.meshes)
+
+    @cached_property
+    def bounds(self) -> Array:
+        """(2, 3) float64: lowest and highest world corner of all geometry in metres; zeros without any."""
+        corners = [
+            extreme
+            for mesh in self.meshes
+            if len(mesh.triangles)
+            for world in (mesh.world_positions()[:, np.unique(mesh.triangles)].reshape(-1, 3),)
+            for extreme in (world.min(axis=0), world.max(axis=0))
+        ]
+        if not corners:
+            return np.zeros((2, 3))
+        return np.stack([np.min(corners, axis=0), np.max(corners, axis=0)])
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of geometry, lights and cameras, the same on every machine. Names do not count."""
+        sha = hashlib.sha256(b"gnomon-scene-1")
+        for mesh in self.meshes:
+            for array, dtype in ((mesh.positions, "<f4"), (mesh.triangles, "<i4"), (mesh.placements, "<f8")):
+                sha.update(str(array.shape).encode())
+                # Adding zero turns -0.0 into 0.0: both spell the same place.
+                sha.update((array + 0).astype(dtype).tobytes())
+            sha.update(_words(mesh.casts))
+        for light in self.lights:
+            sha.update(_words(replace(light, name="", node=None)))
+        for camera in self.cameras:
+            sha.update(_words(replace(camera, name="", node=None)))
+        return sha.hexdigest()
+
+
+@dataclass(frozen=True)
+class Instance:
+    """One question for the selector: this light of this scene, seen in this view."""
+
+    scene_digest: str
+    light: Light
+    view: View
+
+
+def _words(value: object) -> bytes:
+    # repr of a float is its shortest exact decimal: the same text on every machine.
+    return repr(value).encode() + b"\0"
