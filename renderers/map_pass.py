@@ -1,0 +1,102 @@
+"""Draws what a light sees into a depth map, one face or six beside each other."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import moderngl
+import numpy as np
+
+from renderers import shader
+from renderers.world import World
+from scenes.clusters import Runs
+from scenes.convex import clip_planes
+from scenes.frusta import Reach, boxes_inside
+from scenes.map_frusta import MapFit
+from scenes.scene import Array
+
+DEPTH_CLAMP = 0x864F
+BYTES_PER_TEXEL = 4
+COLUMNS = 3
+
+
+def atlas_shape(faces: int) -> tuple[int, int]:
+    """Columns and rows of the atlas that holds `faces` faces."""
+    return (1, 1) if faces == 1 else (COLUMNS, -(-faces // COLUMNS))
+
+
+class MapPass:
+    """A depth map of one or six faces and the pass that fills it.
+
+    Args:
+        world: What casts.
+        side: Texels along a face.
+        faces: 1 or 6.
+        offset: Slope factor and units of the polygon offset.
+    """
+
+    def __init__(self, world: World, side: int, faces: int, offset: tuple[float, float]) -> None:
+        self.world, self.side, self.offset = world, side, offset
+        gpu = world.gpu
+        self.columns, self.rows = atlas_shape(faces)
+        self.texture = gpu.depth_texture(self.columns * side, self.rows * side, bits=24)
+        self.memory_bytes = self.columns * self.rows * side * side * BYTES_PER_TEXEL
+        self._target = gpu.ctx.framebuffer(depth_attachment=self.texture)
+        self._program = shader.program(
+            gpu, shader.source("map_pass.glsl", "caster_vertex"), shader.source("map_pass.glsl", "nothing")
+        )
+        self._matrix = cast(moderngl.Uniform, self._program["map_from_scene"])
+        self._casters = world.vertex_array(self._program)
+        self._commands = gpu.ctx.buffer(reserve=20 * max(1, (len(world.clusters.low) + 1) // 2), dynamic=True)
+
+    def release(self) -> None:
+        """Give the GPU memory back."""
+        self.world.gpu.release(self._target, self.texture, self._casters, self._commands)
+
+    def draw(self, fit: MapFit, within: Reach) -> None:
+        """Fill the map with the casters that `within` may hold, as `fit` sees them."""
+        ctx = self.world.gpu.ctx
+        self._target.use()
+        self._target.scissor = (0, 0, *self._target.size)
+        self._target.viewport = self._target.scissor
+        self._target.clear(depth=1.0)
+        ctx.enable_only(moderngl.DEPTH_TEST)
+        ctx.enable_direct(DEPTH_CLAMP)
+        ctx.depth_func = "<"
+        ctx.polygon_offset = self.offset
+        for index, face in enumerate(fit.faces):
+            if face.any():
+                self._draw_face(face, index, self._runs(face, within))
+        ctx.polygon_offset = (0.0, 0.0)
+        ctx.disable_direct(DEPTH_CLAMP)
+        ctx.enable_only(moderngl.NOTHING)
+
+    def triangles(self, fit: MapFit, within: Reach) -> int:
+        """Triangles drawn into the faces of `fit`."""
+        return sum(int(self._runs(face, within)[:, 1].sum()) for face in fit.faces if face.any())
+
+    def texels(self, fit: MapFit, within: Reach) -> int:
+        """Texels written, overdraw included."""
+        query = self.world.gpu.ctx.query(samples=True)
+        with query:
+            self.draw(fit, within)
+        return int(query.samples)
+
+    def _runs(self, face: Array, within: Reach) -> Runs:
+        clusters = self.world.clusters
+        kept = within.touches(clusters.low, clusters.high)
+        return clusters.runs(kept & boxes_inside(clip_planes(face), clusters.low, clusters.high))
+
+    def _draw_face(self, face: Array, index: int, runs: Runs) -> None:
+        if not len(runs):
+            return
+        x, y = index % self.columns * self.side, index // self.columns * self.side
+        self._target.viewport = self._target.scissor = (x, y, self.side, self.side)
+        self._matrix.write(face.T.astype("f4").tobytes())
+        commands = np.zeros((len(runs), 5), np.uint32)
+        commands[:, 0] = 3 * runs[:, 1]
+        commands[:, 1] = 1
+        commands[:, 2] = 3 * runs[:, 0]
+        self._commands.orphan()
+        self._commands.write(commands.tobytes())
+        self._casters.render_indirect(self._commands, moderngl.TRIANGLES, count=len(runs))

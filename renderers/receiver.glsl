@@ -1,0 +1,42 @@
+// What the camera sees in a pixel, rebuilt from the G-buffer, and whether this light's shadow matters there.
+#include "frame.glsl"
+#include "light.glsl"
+
+layout(binding = 0) uniform sampler2D scene_depth;
+layout(binding = 1) uniform usampler2D scene_normal;
+
+in vec2 uv;
+in vec3 view_ray;
+
+struct Receiver {
+    bool covered;       // some surface is there
+    vec3 position;      // scene space
+    vec3 normal;        // geometric, towards the eye; not of unit length
+};
+
+// Cigolle et al. 2014, section 3, without the final normalisation.
+vec3 decode_octahedral(uint halves) {
+    vec2 square = unpackSnorm2x16(halves);
+    vec3 normal = vec3(square, 1.0 - abs(square.x) - abs(square.y));
+    float fold = max(-normal.z, 0.0);
+    normal.x += normal.x >= 0.0 ? -fold : fold;
+    normal.y += normal.y >= 0.0 ? -fold : fold;
+    return normal;
+}
+
+Receiver visible_receiver() {
+    float depth = texture(scene_depth, uv).r;
+    vec3 normal = decode_octahedral(texture(scene_normal, uv).r);
+    Receiver receiver;
+    receiver.covered = depth > 0.0;
+    receiver.position = eye_near.xyz + view_ray * (eye_near.w / depth);
+    receiver.normal = dot(normal, view_ray) > 0.0 ? -normal : normal;
+    return receiver;
+}
+
+// Where a technique has to answer: a surface that faces the light, within its range and cone. Elsewhere the
+// mask is 0, for every technique alike.
+bool answers(Receiver receiver) {
+    vec3 to_light = towards_light(receiver.position);
+    return receiver.covered && dot(receiver.normal, to_light) > 0.0 && in_reach(to_light);
+}

@@ -1,0 +1,34 @@
+"""The techniques. A new one is a module, its GLSL, and one line here."""
+
+from __future__ import annotations
+
+from renderers.shadow_map import ShadowMap
+from renderers.shadow_volume import ShadowVolume
+from renderers.technique import Technique
+from scenes.errors import GnomonError
+
+TECHNIQUES: tuple[Technique, ...] = (
+    ShadowMap(),
+    ShadowVolume(),
+)
+
+GROUND_TRUTH = "shadow_volume"
+
+
+class UnknownTechniqueError(GnomonError):
+    """No technique has this name."""
+
+    exit_code = 2
+
+
+def technique(name: str) -> Technique:
+    """The technique with this id (`shadow_map`) or label (`SM`), in any case.
+
+    Raises:
+        UnknownTechniqueError: There is none; the message lists those there are.
+    """
+    for known in TECHNIQUES:
+        if name.lower() in (known.name.lower(), known.label.lower()):
+            return known
+    names = ", ".join(f"{known.label} ({known.name})" for known in TECHNIQUES)
+    raise UnknownTechniqueError(f'There is no technique "{name}".', known=f"Known: {names}.")
