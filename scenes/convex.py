@@ -28,7 +28,8 @@ def corners(planes: Array) -> Array:
     points = -np.einsum("ij,ijk->ik", offsets[meeting], crosses[meeting]) / determinants[meeting, None]
     size = np.abs(unit[:, 3]).max() + np.finfo(np.float64).tiny
     inside = (points @ unit[:, :3].T + unit[:, 3] >= -INSIDE * (size + np.abs(points).max(1)[:, None])).all(1)
-    return points[inside]
+    found: Array = points[inside]
+    return found
 
 
 def box_planes(low: Array, high: Array) -> Array:

@@ -69,7 +69,7 @@ def fit_map(
 
 def _pad(bounds: Array) -> Array:
     # A flat scene has a box without volume, which has no corners to find.
-    margin = 1e-3 * max(float((bounds[1] - bounds[0]).max()), np.finfo(np.float32).tiny)
+    margin = 1e-3 * max(float((bounds[1] - bounds[0]).max()), float(np.finfo(np.float32).tiny))
     padded: Array = bounds + np.array([[-margin], [margin]])
     return padded
 

@@ -1,0 +1,125 @@
+"""Node transforms, with the same bits on every machine.
+
+Only elementwise products, sums, divisions and square roots in a fixed order: `@` may fuse or reorder,
+and trigonometric functions differ in their last bits.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from scenes.errors import LevelError
+from scenes.gltf.entry import Entry
+from scenes.scene import Array
+
+Vector = tuple[float, float, float]
+
+IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+# A vector this close to length 1 came out of a normalisation (whose rounding is at most 4 units in the
+# last place of the squared length): dividing again would only change its last bits.
+UNIT_ROUNDING = 1e-15
+
+# Unit columns whose box has less volume than this lie in a plane: float32 text alone is off by 1e-7 each
+# way, double arithmetic by 1e-16.
+FLAT_VOLUME = 1e-12
+
+
+def local_matrix(node: Entry) -> Array:
+    """(4, 4) float64 parent from local, column vectors.
+
+    Raises:
+        LevelError: The matrix or a part of translation, rotation and scale is malformed, the last row of
+            the matrix is not 0 0 0 1, or the rotation is the zero quaternion.
+    """
+    if node.has("matrix"):
+        matrix = np.array(node.numbers("matrix", 16, IDENTITY)).reshape(4, 4).T
+        if tuple(matrix[3]) != (0.0, 0.0, 0.0, 1.0):
+            raise node.wrong("matrix", "affine: its 4th, 8th and 12th number 0, its 16th 1")
+        return matrix
+    matrix = np.eye(4)
+    matrix[:3, :3] = _rotation(node) * np.array(node.numbers("scale", 3, (1.0, 1.0, 1.0)))
+    matrix[:3, 3] = node.numbers("translation", 3, (0.0, 0.0, 0.0))
+    return matrix
+
+
+def _rotation(node: Entry) -> Array:
+    # Source: the rotation matrix of a quaternion of any length, as in Shoemake, "Animating rotation with
+    # quaternion curves" (1985): products scaled by 2 / |q|^2.
+    x, y, z, w = node.numbers("rotation", 4, (0.0, 0.0, 0.0, 1.0))
+    squared = ((x * x + y * y) + z * z) + w * w
+    if squared == 0.0 or not math.isfinite(squared) or not math.isfinite(2.0 / squared):
+        raise node.wrong("rotation", "a quaternion of length 1")
+    s = 2.0 / squared
+    return np.array(
+        [
+            [1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)],
+            [s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)],
+            [s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)],
+        ]
+    )
+
+
+def composed(parent: Array, local: Array, where: str) -> Array:
+    """(4, 4) float64: the product of two affine matrices.
+
+    Raises:
+        LevelError: An element is not finite.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        terms = [parent[:, axis, None] * local[None, axis, :] for axis in range(4)]
+        world: Array = ((terms[0] + terms[1]) + terms[2]) + terms[3]
+    if not np.isfinite(world).all():
+        raise LevelError(
+            "The world matrix of this node is not finite.",
+            where=where,
+            remedy="Check the scales and translations of the node and of those above it.",
+        )
+    return world
+
+
+def vector(values: Array) -> Vector:
+    """Three floats, without negative zeros, which would spell the same place in another way."""
+    x, y, z = (float(value) + 0.0 for value in values)
+    return x, y, z
+
+
+def unit(values: Vector) -> Vector | None:
+    """The vector divided by its length; itself where its length is 1; None where it has no direction."""
+    largest = max(map(abs, values))
+    if largest == 0.0 or not math.isfinite(largest):
+        return None
+    if abs(_squared(values) - 1.0) <= UNIT_ROUNDING:
+        return values
+    x, y, z = (value / largest for value in values)
+    length = math.sqrt(_squared((x, y, z)))
+    return x / length + 0.0, y / length + 0.0, z / length + 0.0
+
+
+def upright(up: Vector, forward: Vector) -> Vector | None:
+    """The unit vector nearest to `up` that is orthogonal to the unit vector `forward`; None without one."""
+    start = unit(up)
+    if start is None:
+        return None
+    along = (start[0] * forward[0] + start[1] * forward[1]) + start[2] * forward[2]
+    if abs(along) <= UNIT_ROUNDING:
+        return start
+    x, y, z = (start[axis] - along * forward[axis] for axis in range(3))
+    return unit((x, y, z)) if _squared((x, y, z)) > FLAT_VOLUME else None
+
+
+def is_flat(matrix: Array) -> bool:
+    """Whether a (4, 4) matrix squashes space into a plane, a line or a point."""
+    columns = [unit(vector(matrix[:3, axis])) for axis in range(3)]
+    if columns[0] is None or columns[1] is None or columns[2] is None:
+        return True
+    (a, b, c), (d, e, f), (g, h, i) = columns[0], columns[1], columns[2]
+    volume = (a * (e * i - f * h) - b * (d * i - f * g)) + c * (d * h - e * g)
+    return abs(volume) <= FLAT_VOLUME
+
+
+def _squared(values: Vector) -> float:
+    x, y, z = values
+    return (x * x + y * y) + z * z

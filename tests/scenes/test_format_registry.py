@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenes.errors import LevelError
+from scenes.formats.registry import level_formats, load_formats, read_level
+
+
+def test_the_registry_knows_gltf_and_refuses_other_suffixes(tmp_path: Path) -> None:
+    assert level_formats()[".glb"] is level_formats()[".gltf"]
+    for name in ("level.blend", "level"):
+        (tmp_path / name).write_bytes(b"?")
+        with pytest.raises(LevelError, match=r"Known are .*\.glb, \.gltf"):
+            read_level(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("import there_is_no_such_module", ModuleNotFoundError),
+        ("NAME = 'x'", TypeError),
+        ("NAME = 'x'\nSUFFIXES = ('.a', '.a')\ndef read(path, scene_name=None): ...", TypeError),
+    ],
+)
+def test_a_broken_format_module_fails_loudly(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, error: type[Exception]
+) -> None:
+    folder = tmp_path / f"formats_{abs(hash(text))}"
+    folder.mkdir()
+    (folder / "__init__.py").write_text("")
+    (folder / "broken.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(error):
+        load_formats([str(folder)], folder.name)
+
+
+def test_a_new_module_in_the_folder_is_a_format(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "formats_of_tomorrow"
+    folder.mkdir()
+    (folder / "__init__.py").write_text("")
+    (folder / "usd.py").write_text(
+        "NAME = 'USD'\nSUFFIXES = ('.usda',)\ndef read(path, scene_name=None): ..."
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    assert [found.NAME for found in load_formats([str(folder)], folder.name).values()] == ["USD"]

@@ -1,0 +1,150 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import FrozenInstanceError, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from scenes.scene import Camera, Light, LightKind, Mesh, Mobility, Scene
+
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 0.1, 0], [0, 0, -3]], np.float32)
+TRIANGLES = np.array([[0, 2, 1], [0, 1, 3]])
+
+
+def small_scene() -> Scene:
+    shifted = np.stack([np.eye(4), np.diag([-1, 0.1, 3, 1.0])])
+    shifted[1, :3, 3] = (0.1, 0.2, 1e-300)
+    return Scene(
+        "small",
+        (Mesh("a", CORNERS, TRIANGLES, shifted, node=3), Mesh("b", CORNERS, TRIANGLES[:1], casts=False)),
+        (
+            Light("l", LightKind.SPOT, (0.1, 2.0, 3.0), (0.0, -1.0, 0.0), 0.1, 0.5, 7.5, node=4),
+            Light("m", LightKind.POINT, mobility=Mobility.STATIC),
+        ),
+        (Camera("c", (1.0, 2.0, 3.0), node=5),),
+    )
+
+
+def test_the_digest_is_the_same_on_every_machine() -> None:
+    assert small_scene().digest == "da3a3c2f1f2e0487229a29b3064b348062a95cd48a32b16e46b1a67b29770a66"
+
+
+def test_names_and_nodes_do_not_change_the_digest() -> None:
+    scene = small_scene()
+    renamed = Scene(
+        "other",
+        tuple(replace(mesh, name="x", node=None) for mesh in scene.meshes),
+        tuple(replace(light, name="y", node=99) for light in scene.lights),
+        tuple(replace(camera, name="z", node=None) for camera in scene.cameras),
+    )
+    assert renamed.digest == scene.digest
+
+
+def test_negative_zero_is_zero() -> None:
+    corners = CORNERS.copy()
+    corners[corners == 0] = -0.0
+    assert (
+        Scene("", (Mesh("", corners, TRIANGLES),)).digest == Scene("", (Mesh("", CORNERS, TRIANGLES),)).digest
+    )
+
+
+def with_mesh(**changes: object) -> Callable[[Scene], Scene]:
+    return lambda scene: replace(scene, meshes=(replace(scene.meshes[0], **changes), scene.meshes[1]))
+
+
+def with_light(**changes: object) -> Callable[[Scene], Scene]:
+    return lambda scene: replace(scene, lights=(replace(scene.lights[0], **changes), scene.lights[1]))
+
+
+def with_camera(**changes: object) -> Callable[[Scene], Scene]:
+    return lambda scene: replace(scene, cameras=(replace(scene.cameras[0], **changes),))
+
+
+MOVED_CORNERS = np.nextafter(CORNERS, np.float32(9), dtype=np.float32)
+CHANGES = {
+    "a vertex by one bit": with_mesh(positions=np.where(np.arange(4)[:, None] == 1, MOVED_CORNERS, CORNERS)),
+    "a triangle": with_mesh(triangles=[[0, 1, 2], [0, 1, 3]]),
+    "the winding": with_mesh(triangles=TRIANGLES[:, ::-1]),
+    "a placement": with_mesh(placements=np.stack([np.eye(4), np.diag([1, 1, math.nextafter(1, 2), 1])])),
+    "the number of placements": with_mesh(placements=np.eye(4)[None]),
+    "casting": with_mesh(casts=False),
+    "the order of meshes": lambda scene: replace(scene, meshes=scene.meshes[::-1]),
+    "a light's position": with_light(position=(math.nextafter(0.1, 1), 2.0, 3.0)),
+    "a light's kind": with_light(kind=LightKind.POINT),
+    "a light's direction": with_light(direction=(0.0, -0.6, 0.8)),
+    "an outer cone": with_light(outer_cone_rad=0.6),
+    "an inner cone": with_light(inner_cone_rad=0.2),
+    "a range": with_light(range_m=math.inf),
+    "an intensity": with_light(intensity=2.0),
+    "a colour": with_light(color=(1.0, 1.0, 0.5)),
+    "mobility": with_light(mobility=Mobility.STATIC),
+    "the number of lights": lambda scene: replace(scene, lights=scene.lights[:1]),
+    "a camera's position": with_camera(position=(1.0, 2.0, 3.5)),
+    "a camera's lens": with_camera(yfov_rad=1.0),
+    "a near plane": with_camera(near_m=0.2),
+    "the number of cameras": lambda scene: replace(scene, cameras=()),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_every_change_that_can_change_a_shadow_changes_the_digest(what: str) -> None:
+    scene = small_scene()
+    assert CHANGES[what](scene).digest != scene.digest
+
+
+def test_arrays_are_read_only_copies() -> None:
+    corners = CORNERS.copy()
+    mesh = Mesh("a", corners, TRIANGLES)
+    corners[0] = 9
+    np.testing.assert_array_equal(mesh.positions, CORNERS)
+    for array in (mesh.positions, mesh.triangles, mesh.placements):
+        assert not array.flags.writeable
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    with pytest.raises(FrozenInstanceError):
+        mesh.casts = False  # type: ignore[misc]
+
+
+def test_read_only_arrays_of_the_right_type_are_shared() -> None:
+    mesh = Mesh("a", CORNERS, TRIANGLES)
+    again = Mesh("b", mesh.positions, mesh.triangles)
+    assert np.shares_memory(mesh.positions, again.positions)
+    assert np.shares_memory(mesh.triangles, again.triangles)
+
+
+def test_triangles_are_counted_over_placements() -> None:
+    assert small_scene().meshes[0].triangle_count == 4
+    assert small_scene().triangle_count == 5
+
+
+coordinates = st.floats(-1e3, 1e3)
+
+
+@given(st.lists(coordinates, min_size=12, max_size=12), st.tuples(*[st.floats(-1e3, 1e3, width=32)] * 3))
+def test_world_positions_have_the_bits_of_a_fixed_order(
+    values: list[float], point: tuple[float, float, float]
+) -> None:
+    placement = np.vstack([np.array(values).reshape(3, 4), [0, 0, 0, 1]])
+    x, y, z = point
+    expected = [((row[0] * x + row[1] * y) + row[2] * z) + row[3] for row in placement[:3].tolist()]
+    world = Mesh("a", [point], np.zeros((0, 3)), placement[None]).world_positions()
+    assert world.tolist() == [[expected]]
+
+
+def test_bounds_hold_all_placements_of_drawn_vertices_only() -> None:
+    stray = np.vstack([CORNERS, [[100, 100, 100]]])
+    placed = np.stack([np.eye(4), np.eye(4)])
+    placed[1, :3, 3] = (10, 0, 0)
+    scene = Scene("s", (Mesh("a", stray, TRIANGLES, placed), Mesh("dust", stray, np.zeros((0, 3)))))
+    np.testing.assert_array_equal(scene.bounds, [[0, 0, -3], [11, np.float32(0.1), 0]])
+    np.testing.assert_array_equal(Scene("empty", ()).bounds, np.zeros((2, 3)))
+
+
+def test_lights_as_homogeneous_points() -> None:
+    sun = Light("sun", LightKind.DIRECTIONAL, (5.0, 5.0, 5.0), (0.0, -1.0, 0.0))
+    np.testing.assert_array_equal(sun.homogeneous, [0, 1, 0, 0])
+    np.testing.assert_array_equal(Light("l", LightKind.SPOT, (1.0, 2.0, 3.0)).homogeneous, [1, 2, 3, 1])
