@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Protocol, Self, TypeVar
@@ -19,6 +20,7 @@ os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 
 import moderngl
 from OpenGL import GL
+from OpenGL.error import GLError
 
 from scenes.errors import DeviceError
 
@@ -104,10 +106,27 @@ class Gpu:
             resource.release()
 
     def check(self, where: str) -> None:
-        """Raise a `DeviceError` if GL has recorded an error since the last check."""
+        """Raise a `GlError` if GL has recorded an error since the last check."""
         error = self.ctx.error
         if error != "GL_NO_ERROR":
-            raise GlError(f"OpenGL reported {error}.", where=where, known=self.device.renderer)
+            raise _failure(f"OpenGL reported {error}.", where, self.device)
+
+    @contextmanager
+    def guard(self, where: str) -> Iterator[None]:
+        """Turn whatever GL and its wrappers raise in the block, or record, into a `GlError`."""
+        try:
+            yield
+        except (moderngl.Error, GLError) as error:
+            self.ctx.clear_errors()
+            raise _failure(str(error), where, self.device) from error
+        self.check(where)
+
+    def buffer_texture(self, buffer: moderngl.Buffer) -> int:
+        """Name of a texture that reads `buffer` as pairs of 32-bit unsigned integers."""
+        name = int(GL.glGenTextures(1))
+        GL.glBindTexture(GL.GL_TEXTURE_BUFFER, name)
+        GL.glTexBuffer(GL.GL_TEXTURE_BUFFER, GL.GL_RG32UI, buffer.glo)
+        return name
 
     def depth_texture(self, width: int, height: int, bits: int) -> moderngl.Texture:
         """An uninitialised depth texture of 24 (fixed point) or 32 (float) bits, compared on request only."""
@@ -131,7 +150,11 @@ class Gpu:
 
 
 class GlError(DeviceError):
-    """OpenGL reported an error while a technique ran."""
+    """OpenGL reported an error."""
+
+
+class OutOfVideoMemoryError(GlError):
+    """The device has no memory left."""
 
 
 def devices() -> Iterator[Device]:
@@ -144,6 +167,11 @@ def devices() -> Iterator[Device]:
         if supported:
             yield device
         index += 1
+
+
+def _failure(what: str, where: str, device: Device) -> GlError:
+    exhausted = "OUT_OF_MEMORY" in what or "out of memory" in what
+    return (OutOfVideoMemoryError if exhausted else GlError)(what, where=where, known=device.renderer)
 
 
 def _open(wanted: str | int | None) -> tuple[moderngl.Context, Device]:

@@ -11,3 +11,11 @@ void main() {
     uv = 0.5 * ndc + 0.5;
     view_ray = ray_forward.xyz + ndc.x * ray_right.xyz + ndc.y * ray_up.xyz;
 }
+
+#section layer
+// A thin layer of everything, for filling time.
+layout(location = 0) out vec4 color;
+
+void main() {
+    color = vec4(1.0 / 256.0);
+}

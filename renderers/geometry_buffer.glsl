@@ -1,20 +1,25 @@
 // Depth, packed geometric normal and albedo of the nearest surface.
+#extension GL_ARB_shader_draw_parameters : require
+
 #section surface_vertex
 #include "frame.glsl"
 in vec3 position;
 invariant gl_Position;
+flat out int first_face;
 
 void main() {
     gl_Position = clip_from_scene * vec4(position, 1.0);
+    first_face = gl_BaseInstanceARB;
 }
 
 #section surface_fragment
-layout(std430, binding = 0) readonly buffer FaceTable { uvec2 faces[]; };   // normal, albedo
+layout(binding = 4) uniform usamplerBuffer faces;   // normal, albedo
+flat in int first_face;
 layout(location = 0) out uint normal;
 layout(location = 1) out vec4 albedo;
 
 void main() {
-    uvec2 face = faces[gl_PrimitiveID];
+    uvec2 face = texelFetch(faces, first_face + gl_PrimitiveID).xy;
     normal = face.x;
     albedo = unpackUnorm4x8(face.y);
 }

@@ -8,6 +8,7 @@ import moderngl
 import numpy as np
 
 from renderers import shader
+from renderers.run_drawer import RunDrawer
 from renderers.world import World
 from scenes.clusters import Runs
 from scenes.convex import clip_planes
@@ -46,12 +47,11 @@ class MapPass:
             gpu, shader.source("map_pass.glsl", "caster_vertex"), shader.source("map_pass.glsl", "nothing")
         )
         self._matrix = cast(moderngl.Uniform, self._program["map_from_scene"])
-        self._casters = world.vertex_array(self._program)
-        self._commands = gpu.ctx.buffer(reserve=20 * max(1, (len(world.clusters.low) + 1) // 2), dynamic=True)
+        self._casters = RunDrawer(gpu, world.vertex_array(self._program), len(world.clusters.low))
 
     def release(self) -> None:
         """Give the GPU memory back."""
-        self.world.gpu.release(self._target, self.texture, self._casters, self._commands)
+        self.world.gpu.release(self._target, self.texture, self._casters)
 
     def draw(self, fit: MapFit, within: Reach) -> None:
         """Fill the map with the casters that `within` may hold, as `fit` sees them."""
@@ -70,6 +70,15 @@ class MapPass:
         ctx.polygon_offset = (0.0, 0.0)
         ctx.disable_direct(DEPTH_CLAMP)
         ctx.enable_only(moderngl.NOTHING)
+
+    def atlas_from_clip(self, index: int) -> Array:
+        """(4, 4) float64: from a face's clip space to homogeneous atlas coordinates and depth in [0, 1]."""
+        cell = np.array([index % self.columns, index // self.columns])
+        shape = np.array([self.columns, self.rows])
+        matrix = np.eye(4)
+        matrix[[0, 1], [0, 1]] = 0.5 / shape
+        matrix[:2, 3] = (cell + 0.5) / shape
+        return matrix
 
     def triangles(self, fit: MapFit, within: Reach) -> int:
         """Triangles drawn into the faces of `fit`."""
@@ -93,10 +102,4 @@ class MapPass:
         x, y = index % self.columns * self.side, index // self.columns * self.side
         self._target.viewport = self._target.scissor = (x, y, self.side, self.side)
         self._matrix.write(face.T.astype("f4").tobytes())
-        commands = np.zeros((len(runs), 5), np.uint32)
-        commands[:, 0] = 3 * runs[:, 1]
-        commands[:, 1] = 1
-        commands[:, 2] = 3 * runs[:, 0]
-        self._commands.orphan()
-        self._commands.write(commands.tobytes())
-        self._casters.render_indirect(self._commands, moderngl.TRIANGLES, count=len(runs))
+        self._casters.draw(runs)

@@ -1,4 +1,4 @@
-// What the camera sees in a pixel, rebuilt from the G-buffer, and whether this light's shadow matters there.
+// What the camera sees in a pixel that shows a surface, rebuilt from the G-buffer, and whether this light's shadow matters there.
 #include "frame.glsl"
 #include "light.glsl"
 
@@ -9,7 +9,6 @@ in vec2 uv;
 in vec3 view_ray;
 
 struct Receiver {
-    bool covered;       // some surface is there
     vec3 position;      // scene space
     vec3 normal;        // geometric, towards the eye; not of unit length
 };
@@ -28,7 +27,6 @@ Receiver visible_receiver() {
     float depth = texture(scene_depth, uv).r;
     vec3 normal = decode_octahedral(texture(scene_normal, uv).r);
     Receiver receiver;
-    receiver.covered = depth > 0.0;
     receiver.position = eye_near.xyz + view_ray * (eye_near.w / depth);
     receiver.normal = dot(normal, view_ray) > 0.0 ? -normal : normal;
     return receiver;
@@ -38,5 +36,5 @@ Receiver visible_receiver() {
 // mask is 0, for every technique alike.
 bool answers(Receiver receiver) {
     vec3 to_light = towards_light(receiver.position);
-    return receiver.covered && dot(receiver.normal, to_light) > 0.0 && in_reach(to_light);
+    return dot(receiver.normal, to_light) > 0.0 && in_reach(to_light);
 }

@@ -1,17 +1,52 @@
 // Williams 1978, "Casting curved shadows on curved surfaces": lit where nothing on the map is nearer.
 #include "receiver.glsl"
 
-#section visibility
 layout(std140, binding = 2) uniform MapBlock {
-    mat4 map_from_scene[6];
-    vec4 atlas;         // size of one face in atlas coordinates, texels along a face, faces
-    vec4 offset;        // normal offset in texels, 0, 0, 0
+    mat4 atlas_from_scene[6];   // homogeneous atlas coordinates and depth, all in [0, 1]
+    vec4 texel_offset;          // size of a texel in atlas coordinates, normal offset in texels,
+                                // largest coordinate of the scene
 };
 layout(binding = 2) uniform sampler2DShadow map;
 layout(location = 0) out float lit;
 
-const float COLUMNS = 3.0;
+const float FLOAT32_STEPS = 4.8e-7;
 
+// Side of a map texel at the place that projects to `q`, the longer of the two, in scene units: texels over
+// the gradient of the projection.
+float texel_side(mat4 map_matrix, vec4 q) {
+    vec3 row_w = vec3(map_matrix[0].w, map_matrix[1].w, map_matrix[2].w);
+    vec2 ratio = q.xy / q.w;
+    vec3 gradient_x = vec3(map_matrix[0].x, map_matrix[1].x, map_matrix[2].x) - ratio.x * row_w;
+    vec3 gradient_y = vec3(map_matrix[0].y, map_matrix[1].y, map_matrix[2].y) - ratio.y * row_w;
+    vec2 squared = texel_offset.xy * texel_offset.xy / vec2(dot(gradient_x, gradient_x), dot(gradient_y, gradient_y));
+    return q.w * sqrt(max(squared.x, squared.y));
+}
+
+// How far, in scene units, float32 may leave a receiver off its surface. Polygon offset does not know it: facing
+// the light it may exceed any slope, and where the map's depth range is short any number of depth units.
+float position_rounding() {
+    return FLOAT32_STEPS * (texel_offset.w + length(eye_near.xyz));
+}
+
+// The receiver is moved along its normal by a share of a texel, less the more it faces the light, and by what
+// its position is rounded to.
+float compared(mat4 map_matrix, Receiver receiver) {
+    vec3 to_light = towards_light(receiver.position);
+    float normal_squared = dot(receiver.normal, receiver.normal);
+    float cosine = dot(receiver.normal, to_light);
+    float sine_squared = max(1.0 - cosine * cosine / (normal_squared * dot(to_light, to_light)), 0.0);
+    vec4 q = map_matrix * vec4(receiver.position, 1.0);
+    float moved = texel_offset.z * texel_side(map_matrix, q) * sqrt(sine_squared) + position_rounding();
+    return textureProj(map, q + map_matrix * vec4(moved * inversesqrt(normal_squared) * receiver.normal, 0.0));
+}
+
+#section one_face
+void main() {
+    Receiver receiver = visible_receiver();
+    lit = answers(receiver) ? compared(atlas_from_scene[0], receiver) : 0.0;
+}
+
+#section six_faces
 // Faces stand in the order +X -X +Y -Y +Z -Z.
 int face_of(vec3 from_light) {
     vec3 size = abs(from_light);
@@ -20,31 +55,8 @@ int face_of(vec3 from_light) {
     return from_light.z >= 0.0 ? 4 : 5;
 }
 
-// Side of a map texel at `position` in scene units, the longer of the two: the gradient of the projection.
-float texel_side(mat4 map, vec4 q) {
-    vec3 row_w = vec3(map[0].w, map[1].w, map[2].w);
-    vec3 gradient_x = vec3(map[0].x, map[1].x, map[2].x) - q.x / q.w * row_w;
-    vec3 gradient_y = vec3(map[0].y, map[1].y, map[2].y) - q.y / q.w * row_w;
-    float squared = min(dot(gradient_x, gradient_x), dot(gradient_y, gradient_y));
-    return 2.0 * q.w * inversesqrt(squared) / atlas.z;
-}
-
 void main() {
     Receiver receiver = visible_receiver();
-    if (!answers(receiver)) {
-        lit = 0.0;
-        return;
-    }
-    vec3 to_light = towards_light(receiver.position);
-    int face = atlas.w > 1.0 ? face_of(-to_light) : 0;
-    mat4 map_matrix = map_from_scene[face];
-    vec4 q = map_matrix * vec4(receiver.position, 1.0);
-    vec3 normal = normalize(receiver.normal);
-    float cosine = dot(normal, to_light) * inversesqrt(dot(to_light, to_light));
-    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    q += map_matrix * vec4(normal * (offset.x * sine * texel_side(map_matrix, q)), 0.0);
-    vec3 ndc = q.xyz / q.w;
-    vec2 cell = vec2(mod(float(face), COLUMNS), floor(float(face) / COLUMNS));
-    vec2 place = (0.5 * ndc.xy + 0.5 + cell) * atlas.xy;
-    lit = texture(map, vec3(place, ndc.z));
+    int face = face_of(-towards_light(receiver.position));
+    lit = answers(receiver) ? compared(atlas_from_scene[face], receiver) : 0.0;
 }

@@ -91,8 +91,10 @@ class ShadowMapPass:
         self._sampler = gpu.ctx.sampler(
             filter=(kernel, kernel), compare_func="<=", repeat_x=False, repeat_y=False
         )
-        self._visibility = shader.full_screen(gpu, shader.source("shadow_map.glsl", "visibility"))
-        self._block = gpu.ctx.buffer(reserve=6 * 64 + 32)
+        self._visibility = shader.full_screen(
+            gpu, shader.source("shadow_map.glsl", "one_face" if self._faces == 1 else "six_faces")
+        )
+        self._block = gpu.ctx.buffer(reserve=6 * 64 + 16)
         self._built = False
 
     def __enter__(self) -> Self:
@@ -131,26 +133,22 @@ class ShadowMapPass:
         within = reach(frame.light, world.origin)
         view = clip_planes(frame.clip_from_scene) if self._focused else None
         self._fit = fit_map(frame.light, within, world.scene.bounds - world.origin, self._side, view)
-        faces = np.zeros((6, 4, 4), "f4")
-        faces[: len(self._fit.faces)] = self._fit.faces.transpose(0, 2, 1)
-        settings = [
-            1 / self._map.columns,
-            1 / self._map.rows,
-            self._side,
-            self._faces,
-            self._normal_offset,
-            0,
-            0,
-            0,
-        ]
-        self._block.write(faces.tobytes() + np.array(settings, "f4").tobytes())
+        self._block.write(self._atlas_block())
         self._map.draw(self._fit, within)
         self._built = True
 
+    def _atlas_block(self) -> bytes:
+        matrices = np.zeros((6, 4, 4), "f4")
+        for index, face in enumerate(self._fit.faces):
+            matrices[index] = (self._map.atlas_from_clip(index) @ face).T
+        texels = np.array([self._map.columns, self._map.rows], float) * self._side
+        world = self._frame.world
+        largest = np.abs(world.scene.bounds - world.origin).max()
+        return matrices.tobytes() + np.array([*(1 / texels), self._normal_offset, largest], "f4").tobytes()
+
     def _compare(self) -> None:
-        self._frame.mask_target.use()
         self._block.bind_to_uniform_block(2)
         self._map.texture.use(2)
         self._sampler.use(2)
-        self._visibility.render(moderngl.TRIANGLES, vertices=3)
+        self._frame.fill_mask(self._visibility)
         self._sampler.clear(2)

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Self
 
-import moderngl
-
 from renderers import shader
 from renderers.clock import StageClock
 from renderers.context import DeviceLimits
@@ -79,9 +77,8 @@ class ShadowVolumePass:
         with clock.stage("volumes"):
             self._volumes.draw()
         with clock.stage("visibility"):
-            self._frame.mask_target.use()
             self._volumes.counts.use(2)
-            self._visibility.render(moderngl.TRIANGLES, vertices=3)
+            self._frame.fill_mask(self._visibility)
         return Outcome("shadow_volume", rebuilt=rebuild)
 
     def count(self) -> Counters:

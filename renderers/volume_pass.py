@@ -79,6 +79,7 @@ class VolumePass:
         """Add up the volumes; reversed depth, so `<=` keeps what lies on or behind the visible surface."""
         ctx = self._frame.gpu.ctx
         self.target.use()
+        self.target.scissor = self._frame.window
         self.target.clear()
         ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         ctx.depth_func = depth_func

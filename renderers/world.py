@@ -8,6 +8,7 @@ from typing import Any
 import moderngl
 import numpy as np
 import numpy.typing as npt
+from OpenGL import GL
 
 from renderers.context import Gpu
 from scenes.clusters import Clusters
@@ -28,6 +29,8 @@ class World:
         positions: (v, 3) float32 welded vertices, scene space, metres.
         triangles: (t, 3) int32, casting faces first.
         caster_count: How many faces cast.
+        clusters: The casting faces.
+        surfaces: All faces.
         topology: Edges of the casting faces.
     """
 
@@ -38,10 +41,12 @@ class World:
     triangles: Triangles
     caster_count: int
     clusters: Clusters
+    surfaces: Clusters
     topology: Topology
     vertex_buffer: moderngl.Buffer
     index_buffer: moderngl.Buffer
     face_buffer: moderngl.Buffer
+    face_texture: int
     edge_buffer: moderngl.Buffer
     offset_buffer: moderngl.Buffer
     half_edge_buffer: moderngl.Buffer
@@ -55,11 +60,13 @@ class World:
         triangles = welded.astype(np.int32)[triangles]
         casters = triangles[casts]
         clusters = Clusters.of(positions, casters)
-        order = np.concatenate([np.flatnonzero(casts)[clusters.order], np.flatnonzero(~casts)])
+        surfaces = clusters.followed_by(Clusters.of(positions, triangles[~casts]))
+        order = np.concatenate([np.flatnonzero(casts), np.flatnonzero(~casts)])[surfaces.order]
         triangles = triangles[order]
         casters = triangles[: len(casters)]
         topology = Topology.of(casters)
         half_edges = topology.faces * 2 + (topology.orientations > 0)
+        face_buffer = _buffer(gpu, _face_table(positions, triangles, colors[order]))
         return cls(
             gpu=gpu,
             scene=scene,
@@ -68,10 +75,12 @@ class World:
             triangles=triangles,
             caster_count=len(casters),
             clusters=clusters,
+            surfaces=surfaces,
             topology=topology,
             vertex_buffer=_buffer(gpu, positions),
             index_buffer=_buffer(gpu, triangles),
-            face_buffer=_buffer(gpu, _face_table(positions, triangles, colors[order])),
+            face_buffer=face_buffer,
+            face_texture=gpu.buffer_texture(face_buffer),
             edge_buffer=_buffer(gpu, topology.edges),
             offset_buffer=_buffer(gpu, topology.offsets),
             half_edge_buffer=_buffer(gpu, half_edges.astype(np.int32)),
@@ -82,8 +91,17 @@ class World:
         layout = [(self.vertex_buffer, "3f", "position")]
         return self.gpu.ctx.vertex_array(program, layout, index_buffer=self.index_buffer)
 
+    def bind_faces(self, unit: int) -> None:
+        """Make the face table a buffer texture on texture unit `unit`.
+
+        On llvmpipe a buffer texture is fetched in half the time of a storage buffer.
+        """
+        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
+        GL.glBindTexture(GL.GL_TEXTURE_BUFFER, self.face_texture)
+
     def release(self) -> None:
         """Give the GPU memory back."""
+        GL.glDeleteTextures([self.face_texture])
         self.gpu.release(
             self.vertex_buffer,
             self.index_buffer,

@@ -20,10 +20,13 @@ class Clusters:
 
     Attributes:
         order: (t,) int64: triangle indices in cluster order.
-        low, high: (c, 3) float64 boxes, metres.
+        starts: (c + 1,) int64: cluster i holds places starts[i] .. starts[i + 1] of that order.
+        low: (c, 3) float64 lowest corner of each cluster's box, metres.
+        high: (c, 3) float64 highest corner.
     """
 
     order: npt.NDArray[np.int64]
+    starts: npt.NDArray[np.int64]
     low: Array
     high: Array
 
@@ -34,9 +37,10 @@ class Clusters:
         order = np.argsort(_morton(corners.mean(axis=1)), kind="stable")
         starts = np.arange(0, len(order), FACES_PER_CLUSTER)
         if not len(starts):
-            return cls(order, np.zeros((0, 3)), np.zeros((0, 3)))
+            return cls(order, np.zeros(1, np.int64), np.zeros((0, 3)), np.zeros((0, 3)))
         return cls(
             order,
+            np.append(starts, len(order)),
             np.minimum.reduceat(corners.min(axis=1)[order], starts),
             np.maximum.reduceat(corners.max(axis=1)[order], starts),
         )
@@ -44,8 +48,17 @@ class Clusters:
     def runs(self, kept: npt.NDArray[np.bool_]) -> Runs:
         """(r, 2) int64: first face and count of each maximal run of the kept (c,) clusters."""
         edges = np.flatnonzero(np.diff(np.concatenate([[False], kept, [False]]).astype(np.int8)))
-        first, stop = edges[::2] * FACES_PER_CLUSTER, edges[1::2] * FACES_PER_CLUSTER
-        return np.stack([first, np.minimum(stop, len(self.order)) - first], axis=1)
+        first, stop = self.starts[edges[::2]], self.starts[edges[1::2]]
+        return np.stack([first, stop - first], axis=1)
+
+    def followed_by(self, other: Clusters) -> Clusters:
+        """These clusters, and behind them those of `other`, whose triangles come after these."""
+        return Clusters(
+            np.concatenate([self.order, other.order + len(self.order)]),
+            np.concatenate([self.starts, other.starts[1:] + len(self.order)]),
+            np.concatenate([self.low, other.low]),
+            np.concatenate([self.high, other.high]),
+        )
 
 
 def _morton(points: Array) -> npt.NDArray[np.uint64]:

@@ -37,9 +37,9 @@ def end_plane(light: Light, position: Array, bounds: Array, low: Array, high: Ar
         low: (c, 3) float64 lowest corners of boxes that hold all casters, scene space.
         high: (c, 3) float64 their highest corners.
     """
-    if not len(low):
-        return None
     size = float((bounds[1] - bounds[0]).max())
+    if not len(low) or not size > 0:
+        return None
     best, least = None, np.inf
     for normal in _outward_normals(light):
         distance = float(np.where(normal > 0, bounds[1], bounds[0]) @ normal) + MARGIN * size

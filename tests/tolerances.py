@@ -29,7 +29,31 @@ WORLD_POSITION = 1e-14
 """Share of a level's extent: an independent reader adds up its matrices in another order; 4e-17 measured."""
 
 VIEWED = 1e-4
-"""Share of a scene's extent: viewpoints stand and aim on a grid of 1.5e-5, seen as flat as 15 degrees."""
+"""Share of a scene's extent: viewpoints stand and aim on a grid of at most 6e-5, seen as flat as 15 degrees."""
 
 UNIT = 1e-14
 """Absolute: lengths and products of unit vectors, a few float64 roundings off."""
+
+VOLUME_ROUNDING = 1e-12
+"""Relative: a volume is a sum of at most a few hundred float64 products."""
+
+ROTATION = 1e-14
+"""Absolute, per element of a rotation: a handful of float64 products of numbers up to 1."""
+
+PROJECTION = 1e-14
+"""Relative: a projection is three float64 operations per coordinate."""
+
+CONVEX_CORNER = 1e-12
+"""Relative to the body's size: three planes that meet at wide angles, in float64."""
+
+CONVEX_AGAINST_QHULL = 1e-5
+"""Relative to the body's size: random planes may meet at angles of 1e-6, and qhull merges near corners."""
+
+CONE_EDGE = 1e-9
+"""Relative: points this near to a cone's edge may count as inside or outside."""
+
+REACH_PLANE = 1e-12
+"""Metres, for scenes of 100 m: the rounding of a plane's equation in float64."""
+
+MAP_PLACE = 1e-9
+"""Normalised map coordinates: corners of the receivers' body are right to 1e-9 of its size."""
