@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +19,10 @@ from tests.scenes.gltf_samples import CORNERS, TETRAHEDRON, Json, carrying, docu
 
 # The same examples in every run: a fuzzer that finds something new on a Friday breaks somebody else's work.
 FUZZ = settings(
-    max_examples=400, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+    max_examples=int(os.environ.get("GNOMON_FUZZ_EXAMPLES", "400")),
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow],
 )
 
 

@@ -1,0 +1,178 @@
+"""Places that a light surely lights: what its rays strike first, best suited to be looked at first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from scenes.ray_caster import OFFSET_PER_EXTENT, Bools, RayCaster
+from scenes.scene import Array, Light, LightKind, Scene
+
+_PROBES = 512
+_CANDIDATES = 12
+_SQUARELY = 0.2  # cosine; a surface that is struck flatter than 78 degrees shows no shadow worth judging
+_FIXTURE = 0.1  # of the median distance to what the light strikes: nearer than this is its own lamp
+_WALL_DETOUR = 0.2  # of the extent: within this much of its middle, a floor suits the sun better than a wall
+_PATCH = 0.003, 0.1  # of the extent, and of the pool of light: so much of the surface around is lit too
+_GOLDEN_ANGLE = float(np.pi * (3 - np.sqrt(5)))
+
+
+@dataclass(frozen=True)
+class LitPlace:
+    """The first surface on one ray of a light.
+
+    Attributes:
+        point: (3,) world, metres.
+        normal: (3,) unit, geometric, to the side that is lit.
+        to_light: (3,) unit.
+        distance: How far the light is, metres; for a directional light nothing that matters.
+        pool: How far, roughly, the light reaches around the place, metres.
+        cost: 0 is best: on the light's axis, on open ground, struck squarely.
+    """
+
+    point: Array
+    normal: Array
+    to_light: Array
+    distance: float
+    pool: float
+    cost: float
+
+
+def lit_places(scene: Scene, light: Light, caster: RayCaster) -> list[LitPlace]:
+    """Up to twelve places, cheapest first, spread farther and farther from the light's axis; none if none.
+
+    The axis is a spot's direction; straight down from a point light; through the scene's middle for the sun.
+    Probed are 512 rays spread evenly over the cone, the sphere or the scene's cross-section, and the centres
+    of a few hundred triangles, so that small geometry is found too.
+
+    Args:
+        scene: With some extent.
+        light: Cone and range count.
+        caster: Of all meshes of the scene.
+    """
+    origins, directions, detour = _probes(scene, light)
+    # As for shadow rays, the surface on which a light is mounted is not struck by it.
+    mount = OFFSET_PER_EXTENT * caster.extent
+    distance, triangle = caster.hits(origins + mount * directions, directions)
+    distance += mount
+    reached = np.isfinite(distance)
+    if light.kind is not LightKind.DIRECTIONAL:
+        reached &= distance <= light.range_m
+    if not reached.any():
+        return []
+    origins, directions, distance = origins[reached], directions[reached], distance[reached]
+    normals = _normals(caster.corners(triangle[reached]))
+    incidence = -np.einsum("ij,ij->i", normals, directions)
+    normals *= np.sign(incidence)[:, None]
+    cost = detour[reached] + 2.0 * (np.abs(incidence) < _SQUARELY)
+    if light.kind is LightKind.DIRECTIONAL:
+        cost += _WALL_DETOUR * (normals[:, 1] < sqrt(0.5))
+    else:
+        cost += 4.0 * (distance < _FIXTURE * np.median(distance))
+    # Neighbouring rays share their fate, so the second to the twelfth are ever farther apart.
+    spread = np.unique(np.geomspace(1, len(cost), _CANDIDATES).astype(int)) - 1
+    chosen = np.argsort(cost, kind="stable")[spread]
+    chosen = chosen[incidence[chosen] != 0]
+    points = origins[chosen] + distance[chosen, None] * directions[chosen]
+    pools = _pool_radius(light, distance[chosen], caster.extent)
+    cost[chosen] += 1.0 * ~_in_lit_patch(caster, origins[chosen], points, normals[chosen], pools)
+    places = [
+        LitPlace(
+            point, normals[index], -directions[index], float(distance[index]), float(pool), float(cost[index])
+        )
+        for index, point, pool in zip(chosen, points, pools, strict=True)
+    ]
+    return sorted(places, key=lambda place: place.cost)
+
+
+def plane_axes(normal: Array) -> tuple[Array, Array]:
+    """Two unit vectors that are orthogonal to a unit normal and to each other."""
+    first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    first /= np.linalg.norm(first)
+    return first, np.cross(normal, first)
+
+
+def _probes(scene: Scene, light: Light) -> tuple[Array, Array, Array]:
+    """(n, 3) origins, (n, 3) unit directions, (n,) detour from the axis in [0, 1]; the axis comes first."""
+    if light.kind is LightKind.DIRECTIONAL:
+        return _parallel_probes(scene, np.asarray(light.direction))
+    spot = light.kind is LightKind.SPOT
+    axis = np.asarray(light.direction if spot else (0.0, -1.0, 0.0))
+    half_angle = 0.9 * light.outer_cone_rad if spot else np.pi
+    position = np.asarray(light.position)
+    directions = np.concatenate([_fan(axis, half_angle), _centroids(scene) - position])
+    lengths = np.linalg.norm(directions, axis=1)
+    directions = directions[lengths > 0] / lengths[lengths > 0, None]
+    off_axis = np.arccos(np.clip(directions @ axis, -1, 1))
+    inside = off_axis <= half_angle
+    return np.broadcast_to(position, directions.shape)[inside], directions[inside], off_axis[inside] / np.pi
+
+
+def _parallel_probes(scene: Scene, axis: Array) -> tuple[Array, Array, Array]:
+    extent = float(np.linalg.norm(scene.bounds[1] - scene.bounds[0]))
+    middle = scene.bounds.mean(axis=0)
+    index = np.arange(_PROBES)
+    right, up = plane_axes(axis)
+    # Vogel's sunflower: equal areas of the disc.
+    radius, angle = extent / 2 * np.sqrt(index / _PROBES), _GOLDEN_ANGLE * index
+    disc = (radius * np.cos(angle))[:, None] * right + (radius * np.sin(angle))[:, None] * up
+    through = _centroids(scene) - middle
+    offsets = np.concatenate([disc, through - (through @ axis)[:, None] * axis])
+    origins = middle + offsets - extent * axis
+    return origins, np.broadcast_to(axis, origins.shape), np.linalg.norm(offsets, axis=1) / extent
+
+
+def _fan(axis: Array, half_angle: float) -> Array:
+    """(n, 3) unit directions on equal areas of a cap: the cosine runs evenly from 1 to the half angle's."""
+    index = np.arange(_PROBES)
+    right, up = plane_axes(axis)
+    along = 1 - (1 - np.cos(half_angle)) * index / _PROBES
+    around = np.sqrt(np.maximum(1 - along**2, 0))
+    angle = _GOLDEN_ANGLE * index
+    aside = np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * up
+    fan: Array = along[:, None] * axis + around[:, None] * aside
+    return fan
+
+
+def _centroids(scene: Scene) -> Array:
+    every = max(1, scene.triangle_count // _PROBES)
+    centres = [
+        mesh.world_positions()[:, mesh.triangles[::every]].mean(axis=2).reshape(-1, 3)
+        for mesh in scene.meshes
+        if len(mesh.triangles)
+    ]
+    found: Array = np.concatenate(centres)
+    return found
+
+
+def _normals(corners: Array) -> Array:
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    unit: Array = normals / np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    return unit
+
+
+def _pool_radius(light: Light, distance: Array, extent: float) -> Array:
+    """(n,): the circle that a spot lights, 45 degrees around a lamp, a quarter of the scene in the sun."""
+    if light.kind is LightKind.DIRECTIONAL:
+        return np.full(len(distance), extent / 4)
+    half_angle = min(light.outer_cone_rad, np.pi / 4) if light.kind is LightKind.SPOT else np.pi / 4
+    radius: Array = np.minimum(distance * np.tan(half_angle), min(light.range_m, extent / 2))
+    return radius
+
+
+def _in_lit_patch(caster: RayCaster, origins: Array, points: Array, normals: Array, pools: Array) -> Bools:
+    """(n,) bool: whether rays that go slightly beside the point strike the same plane around it."""
+    reach = np.minimum(_PATCH[0] * caster.extent, _PATCH[1] * pools)[:, None]
+    axes = np.array([plane_axes(normal) for normal in normals]).reshape(-1, 2, 3)
+    around = points[:, None] + reach[..., None] * np.concatenate([axes, -axes], axis=1)
+    ray = around - origins[:, None]
+    wanted = np.linalg.norm(ray, axis=2)
+    start = np.broadcast_to(origins[:, None], around.shape)
+    mount = OFFSET_PER_EXTENT * caster.extent
+    start = start + mount * ray / wanted[..., None]
+    distance, _ = caster.hits(start.reshape(-1, 3), ray.reshape(-1, 3))
+    error = np.abs(distance.reshape(wanted.shape) + mount - wanted)
+    same: Bools = (error < 0.1 * reach).all(axis=1)
+    return same

@@ -1,0 +1,163 @@
+"""Where to look from in a level without cameras: four viewpoints per light, by stated rules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import asin, cos, sin, sqrt
+
+import numpy as np
+
+from scenes.lit_places import LitPlace, lit_places
+from scenes.ray_caster import RayCaster
+from scenes.scene import Array, Camera, Light, LightKind, Scene
+
+YFOV_RAD = float(np.pi / 3)
+EYE_HEIGHT_M = 1.7
+
+_LOWEST_RAD = float(np.radians(15))  # flatter, and the floor fills too few pixels to judge a shadow on it
+_PULLED_IN = 0.9  # of the free path to the first wall behind the eye
+_FREE_ENOUGH = 0.6  # of the wanted distance, before another side is tried
+_TURNS = np.radians([0, 20, -20, 40, -40, 65, -65])
+_LIFT = 1e-5  # of the extent: above the surface, where the free path begins
+
+
+@dataclass(frozen=True)
+class _Wish:
+    """One rule: its name, (k, 3) unit directions from the lit place to the eye, best first, the distance."""
+
+    name: str
+    directions: Array
+    distance: float
+
+
+def viewpoints(scene: Scene, light: Light, caster: RayCaster | None = None) -> tuple[Camera, ...]:
+    """Four cameras that look at a place which `light` lights; none where it strikes nothing.
+
+    All look at the same place: what the light's axis strikes first (a spot's direction; below a point light;
+    on a ray of a sun through the middle of the scene, ground before walls), or beside it where that is hemmed
+    in, in a shadow's edge, struck flatly, or the lamp's own shade.
+
+    - over the shoulder: from just behind a lamp along its ray, a little aside; with the sun in one's back.
+    - facing the light: from the side away from the light, towards it.
+    - from the side: a quarter turn from there.
+    - overview: from 45 degrees up, at an angle to both, far enough to see the whole pool of light.
+
+    The eye is at the height of a man, 1.7 m, or between 1 % and 10 % of the scene's diagonal where that is
+    much larger or smaller, and at least 15 degrees above the lit surface. It is on the lit side, with a free
+    line to the place that it looks at, never farther than 90 % of the way to the first wall behind it; where
+    a wall leaves less than 60 % of the wanted distance, up to 65 degrees aside are tried.
+
+    Args:
+        scene: Its cameras do not count.
+        light: One of its lights.
+        caster: Of this scene with `casters_only=False`, to spare building it again for each light.
+    """
+    extent = float(np.linalg.norm(scene.bounds[1] - scene.bounds[0]))
+    if extent == 0:
+        return ()
+    caster = caster or RayCaster(scene, casters_only=False)
+    places = lit_places(scene, light, caster)
+    if not places:
+        return ()
+    eye_height = min(max(EYE_HEIGHT_M, 0.01 * extent), 0.1 * extent)
+    wishes = [_wishes(scene, light, place, extent, eye_height) for place in places]
+    paths = _free_paths(caster, places, wishes)
+    openness = [
+        min(float(_reach(wish, free).max()) / wish.distance for wish, free in zip(*pair, strict=True))
+        for pair in zip(wishes, paths, strict=True)
+    ]
+    suits = [place.cost - min(room, _FREE_ENOUGH) for place, room in zip(places, openness, strict=True)]
+    chosen = int(np.argmin(suits))
+    return tuple(
+        _camera(wish, free, places[chosen], extent, 0.06 * eye_height)
+        for wish, free in zip(wishes[chosen], paths[chosen], strict=True)
+    )
+
+
+def _wishes(scene: Scene, light: Light, place: LitPlace, extent: float, eye_height: float) -> list[_Wish]:
+    to_light, beside = _surface_frame(scene, place)
+    near = min(max(2 * place.pool, 2 * eye_height), extent / 2)
+    rise = asin(min(max(eye_height / near, sin(_LOWEST_RAD)), sqrt(0.5)))
+    far = min(max(3 * place.pool, 4 * eye_height), extent)
+    if light.kind is LightKind.DIRECTIONAL:
+        shoulder = _Wish("over the shoulder", _turned(to_light, place.normal, rise), near)
+    else:
+        ray = place.to_light + 0.25 * beside
+        level = ray - (ray @ place.normal) * place.normal
+        height = asin(min(max(float(ray @ place.normal / np.linalg.norm(ray)), sin(_LOWEST_RAD)), 1.0))
+        directions = _turned(level / np.linalg.norm(level), place.normal, height)
+        behind_lamp = min(max(1.15 * place.distance, eye_height), extent)
+        shoulder = _Wish("over the shoulder", directions, behind_lamp)
+    return [
+        shoulder,
+        _Wish("facing the light", _turned(-to_light, place.normal, rise), near),
+        _Wish("from the side", _turned(beside, place.normal, rise), near),
+        _Wish("overview", _turned(-(to_light + beside) * sqrt(0.5), place.normal, np.pi / 4), far),
+    ]
+
+
+def _surface_frame(scene: Scene, place: LitPlace) -> tuple[Array, Array]:
+    """Two unit vectors in the lit surface: towards the light, and across.
+
+    Where the light stands upright over the surface, the scene's longest side replaces the first.
+    """
+    sides = np.eye(3)[np.argsort(scene.bounds[0] - scene.bounds[1], kind="stable")]
+    for wish in (place.to_light, *sides):
+        level = wish - (wish @ place.normal) * place.normal
+        length = float(np.linalg.norm(level))
+        if length > 0.05:
+            return level / length, np.cross(place.normal, level / length)
+    raise AssertionError("three orthogonal directions cannot all be one normal")
+
+
+def _turned(level: Array, normal: Array, rise: float) -> Array:
+    """(k, 3) unit: `level` raised towards `normal` by an angle, and the same turned aside, least first."""
+    sideways = np.cross(normal, level)
+    turned = np.cos(_TURNS)[:, None] * level + np.sin(_TURNS)[:, None] * sideways
+    return turned * cos(rise) + normal * sin(rise)
+
+
+def _free_paths(caster: RayCaster, places: list[LitPlace], wishes: list[list[_Wish]]) -> Array:
+    """(places, rules, directions) float64: how far the view from each place is free, metres."""
+    directions = np.array([[wish.directions for wish in rules] for rules in wishes])
+    starts = np.array([place.point + _LIFT * caster.extent * place.normal for place in places])
+    origins = np.broadcast_to(starts[:, None, None], directions.shape)
+    free, _ = caster.hits(origins.reshape(-1, 3), directions.reshape(-1, 3))
+    return free.reshape(directions.shape[:3])
+
+
+def _reach(wish: _Wish, free: Array) -> Array:
+    return np.minimum(wish.distance, _PULLED_IN * free)
+
+
+def _camera(wish: _Wish, free: Array, place: LitPlace, extent: float, near_limit: float) -> Camera:
+    reach = _reach(wish, free)
+    enough = reach >= _FREE_ENOUGH * wish.distance
+    best = int(np.argmax(enough) if enough.any() else np.argmax(reach))
+    eye = place.point + _LIFT * extent * place.normal + reach[best] * wish.directions[best]
+    # On a grid of 2^-14 of the wanted distance, so that the last bits of cosines do not matter; the rest is
+    # exact.
+    grid = 2.0 ** (np.floor(np.log2(wish.distance)) - 14)
+    eye, target = np.round(eye / grid) * grid, np.round(place.point / grid) * grid
+    x, y, z = (float(component) for component in target - eye)
+    distance = sqrt(x * x + y * y + z * z)
+    forward = (x / distance, y / distance, z / distance)
+    return Camera(
+        wish.name,
+        position=(float(eye[0]), float(eye[1]), float(eye[2])),
+        forward=forward,
+        up=_upright(forward),
+        yfov_rad=YFOV_RAD,
+        near_m=min(0.01 * distance, near_limit),
+    )
+
+
+def _upright(forward: tuple[float, float, float]) -> tuple[float, float, float]:
+    """The unit vector orthogonal to `forward` that is nearest to Y, or to -Z where one looks up or down."""
+    x, y, z = forward
+    level = x * x + z * z
+    if level > 1e-6:
+        length = sqrt(level)
+        return (-x * y / length, length, -z * y / length)
+    length = sqrt(x * x + y * y)
+    return (x * z / length, y * z / length, -length)
