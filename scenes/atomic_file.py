@@ -42,8 +42,7 @@ def write_atomically(path: Path, data: bytes) -> None:
         target = Path(os.path.realpath(path))
         _replace(target, data, _existing(target))
     except OSError as error:
-        what, remedy = _CAUSES.get(error.errno or 0, ("The file could not be written.", _OTHER_PLACE))
-        raise OutputError(what, where=str(path), known=_system_says(error), remedy=remedy) from error
+        raise output_error(path, error) from error
     try:
         _sync_folder(target.parent)
     except OSError as error:
@@ -53,6 +52,12 @@ def write_atomically(path: Path, data: bytes) -> None:
             known=_system_says(error),
             remedy="Check the disk.",
         ) from error
+
+
+def output_error(path: Path, error: OSError) -> OutputError:
+    """What to tell the user where the system refuses to write at `path`."""
+    what, remedy = _CAUSES.get(error.errno or 0, ("The file could not be written.", _OTHER_PLACE))
+    return OutputError(what, where=str(path), known=_system_says(error), remedy=remedy)
 
 
 def _existing(target: Path) -> os.stat_result | None:

@@ -28,22 +28,30 @@ def read_level_file(path: Path, limit: int | None = None) -> bytes:
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
-            raise LevelError("This is a folder, not a file.", where=str(path))
+            raise LevelError("This is a folder, not a file.", where=str(path), remedy="Name a file in it.")
         if not stat.S_ISREG(status.st_mode):
-            raise LevelError("This is a device or a pipe, not a file.", where=str(path))
+            raise LevelError(
+                "This is a device or a pipe, not a file.",
+                where=str(path),
+                remedy="Save it as a file first.",
+            )
         with path.open("rb") as file:
             # The size on disk bounds what is allocated, whatever length a level claims.
             content = file.read(status.st_size if limit is None else min(limit, status.st_size))
     except (FileNotFoundError, NotADirectoryError):
-        raise LevelError("There is no such file.", where=str(path)) from None
+        raise LevelError(
+            "There is no such file.", where=str(path), remedy="Check its name and its folder."
+        ) from None
     except PermissionError:
         raise LevelError(
             "This file may not be read.", where=str(path), remedy="Give yourself read permission."
         ) from None
     except (OSError, ValueError) as error:
-        raise LevelError("This file cannot be read.", where=str(path), known=f"{error}.") from error
+        raise LevelError(
+            "This file cannot be read.", where=str(path), known=f"The system says: {error}."
+        ) from error
     if status.st_size == 0:
-        raise LevelError("This file is empty.", where=str(path))
+        raise LevelError("This file is empty.", where=str(path), remedy="Export or copy it again.")
     if content.startswith(LFS_POINTER):
         raise LevelError(
             "This is a git LFS pointer, not the file itself.",

@@ -66,32 +66,28 @@ def lit_places(scene: Scene, light: Light, caster: RayCaster) -> list[LitPlace]:
     normals = _normals(caster.corners(triangle[reached]))
     incidence = -np.einsum("ij,ij->i", normals, directions)
     normals *= np.sign(incidence)[:, None]
-    cost = detour[reached] + 2.0 * (np.abs(incidence) < _SQUARELY)
+    cost = detour[reached] + 1.0 * (np.abs(incidence) < _SQUARELY)
     if light.kind is LightKind.DIRECTIONAL:
         cost += _WALL_DETOUR * (normals[:, 1] < sqrt(0.5))
     else:
-        cost += 4.0 * (distance < _FIXTURE * np.median(distance))
+        cost += 2.0 * (distance < _FIXTURE * np.median(distance))
+    points = origins + distance[:, None] * directions
+    pools = _pool_radius(light, distance, caster.extent)
+    cost += 4.0 * ~_in_lit_patch(caster, origins, points, normals, pools)
     # Neighbouring rays share their fate, so the second to the twelfth are ever farther apart.
     spread = np.unique(np.geomspace(1, len(cost), _CANDIDATES).astype(int)) - 1
-    chosen = np.argsort(cost, kind="stable")[spread]
-    chosen = chosen[incidence[chosen] != 0]
-    points = origins[chosen] + distance[chosen, None] * directions[chosen]
-    pools = _pool_radius(light, distance[chosen], caster.extent)
-    cost[chosen] += 1.0 * ~_in_lit_patch(caster, origins[chosen], points, normals[chosen], pools)
-    places = [
-        LitPlace(
-            point, normals[index], -directions[index], float(distance[index]), float(pool), float(cost[index])
-        )
-        for index, point, pool in zip(chosen, points, pools, strict=True)
+    return [
+        LitPlace(points[i], normals[i], -directions[i], float(distance[i]), float(pools[i]), float(cost[i]))
+        for i in np.argsort(cost, kind="stable")[spread]
+        if incidence[i] != 0
     ]
-    return sorted(places, key=lambda place: place.cost)
 
 
-def plane_axes(normal: Array) -> tuple[Array, Array]:
-    """Two unit vectors that are orthogonal to a unit normal and to each other."""
-    first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
-    first /= np.linalg.norm(first)
-    return first, np.cross(normal, first)
+def _plane_axes(normals: Array) -> tuple[Array, Array]:
+    """Two (..., 3) unit vectors that are orthogonal to a unit normal and to each other."""
+    first = np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=-1)])
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return first, np.cross(normals, first)
 
 
 def _probes(scene: Scene, light: Light) -> tuple[Array, Array, Array]:
@@ -114,7 +110,7 @@ def _parallel_probes(scene: Scene, axis: Array) -> tuple[Array, Array, Array]:
     extent = float(np.linalg.norm(scene.bounds[1] - scene.bounds[0]))
     middle = scene.bounds.mean(axis=0)
     index = np.arange(_PROBES)
-    right, up = plane_axes(axis)
+    right, up = _plane_axes(axis)
     # Vogel's sunflower: equal areas of the disc.
     radius, angle = extent / 2 * np.sqrt(index / _PROBES), _GOLDEN_ANGLE * index
     disc = (radius * np.cos(angle))[:, None] * right + (radius * np.sin(angle))[:, None] * up
@@ -127,7 +123,7 @@ def _parallel_probes(scene: Scene, axis: Array) -> tuple[Array, Array, Array]:
 def _fan(axis: Array, half_angle: float) -> Array:
     """(n, 3) unit directions on equal areas of a cap: the cosine runs evenly from 1 to the half angle's."""
     index = np.arange(_PROBES)
-    right, up = plane_axes(axis)
+    right, up = _plane_axes(axis)
     along = 1 - (1 - np.cos(half_angle)) * index / _PROBES
     around = np.sqrt(np.maximum(1 - along**2, 0))
     angle = _GOLDEN_ANGLE * index
@@ -165,7 +161,7 @@ def _pool_radius(light: Light, distance: Array, extent: float) -> Array:
 def _in_lit_patch(caster: RayCaster, origins: Array, points: Array, normals: Array, pools: Array) -> Bools:
     """(n,) bool: whether rays that go slightly beside the point strike the same plane around it."""
     reach = np.minimum(_PATCH[0] * caster.extent, _PATCH[1] * pools)[:, None]
-    axes = np.array([plane_axes(normal) for normal in normals]).reshape(-1, 2, 3)
+    axes = np.stack(_plane_axes(normals), axis=1)
     around = points[:, None] + reach[..., None] * np.concatenate([axes, -axes], axis=1)
     ray = around - origins[:, None]
     wanted = np.linalg.norm(ray, axis=2)

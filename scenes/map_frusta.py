@@ -1,7 +1,7 @@
 """How a shadow map looks at its receivers: one matrix for each face of the map.
 
 Near and far planes fit the receivers, not the casters: a caster nearer than the near plane is flattened onto
-it by depth clamp and still casts. A guard texel around each face keeps 2x2 comparisons inside it.
+it by depth clamp and still casts. Guard texels around each face keep comparisons inside it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from scenes.convex import box_planes, corners
 from scenes.frusta import Reach, light_axes
 from scenes.scene import Array, Light, LightKind
 
-GUARD_TEXELS = 1
+# A normal offset of half a texel moves a place on a cube's edge by up to 0.71 texels, and 2x2 reads half a texel on.
+GUARD_TEXELS = 2
 DEPTH_MARGIN = 0.02
 # 24 bits leave at the far plane steps of 2^-24 / NEAREST of the far distance: below a texel of 8192.
 NEAREST = 1e-3
@@ -51,6 +52,8 @@ def fit_map(
         side: Texels along a face.
         view_planes: (p, 4) planes of a camera; given, the map covers only what that camera sees.
     """
+    if not (bounds[1] > bounds[0]).any():
+        return MapFit(np.zeros((0, 4, 4)))
     planes = [box_planes(*_pad(bounds)), within.planes]
     if np.isfinite(within.range_m):
         planes.append(box_planes(within.centre - within.range_m, within.centre + within.range_m))

@@ -6,7 +6,7 @@ Metres, radians, right-handed, Y up, column vectors. Arrays are read-only.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from functools import cached_property
 from typing import Any
@@ -35,8 +35,13 @@ class Mobility(StrEnum):
 
 
 def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> npt.NDArray[Any]:
-    """`values` as a read-only C-contiguous array; -1 in `shape` stands for any length."""
-    array = np.ascontiguousarray(values, dtype=dtype).reshape(shape)
+    """`values` as a read-only C-contiguous array; -1 in `shape` stands for any length.
+
+    Where they are one already, the very same array, so that meshes that share it can be told by identity.
+    """
+    array = np.ascontiguousarray(values, dtype=dtype)
+    shaped = array.reshape(shape)
+    array = array if array.shape == shaped.shape else shaped
     if array.flags.writeable:
         array = array.copy()
         array.flags.writeable = False
@@ -192,11 +197,11 @@ class Scene:
                 sha.update(str(array.shape).encode())
                 # Adding zero turns -0.0 into 0.0: both spell the same place.
                 sha.update((array + 0).astype(dtype).tobytes())
-            sha.update(_words(mesh.casts))
+            sha.update(_word(mesh.casts))
         for light in self.lights:
-            sha.update(_words(replace(light, name="", node=None)))
+            sha.update(_words(light))
         for camera in self.cameras:
-            sha.update(_words(replace(camera, name="", node=None)))
+            sha.update(_words(camera))
         return sha.hexdigest()
 
 
@@ -209,6 +214,17 @@ class Instance:
     view: View
 
 
-def _words(value: object) -> bytes:
+def _words(thing: Light | Camera) -> bytes:
+    counted = [one.name for one in fields(thing) if one.name not in ("name", "node")]
+    return type(thing).__name__.encode() + b"\0" + b"".join(_word(getattr(thing, name)) for name in counted)
+
+
+def _word(value: object) -> bytes:
+    """A field as bytes: an integer, NumPy's float or -0.0 spells the same as the float it equals."""
+    if isinstance(value, tuple):
+        return b"".join(map(_word, value))
+    if isinstance(value, StrEnum):
+        return value.encode() + b"\0"
+    assert isinstance(value, int | float | np.number)
     # repr of a float is its shortest exact decimal: the same text on every machine.
-    return repr(value).encode() + b"\0"
+    return repr(float(value) + 0.0).encode() + b"\0"

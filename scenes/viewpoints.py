@@ -18,6 +18,7 @@ _LOWEST_RAD = float(np.radians(15))  # flatter, and the floor fills too few pixe
 _PULLED_IN = 0.9  # of the free path to the first wall behind the eye
 _FREE_ENOUGH = 0.6  # of the wanted distance, before another side is tried
 _TURNS = np.radians([0, 20, -20, 40, -40, 65, -65])
+_SURROUNDINGS = 0.1  # of the extent: so far outside the scene's bounds an eye may be
 _LIFT = 1e-5  # of the extent: above the surface, where the free path begins
 
 
@@ -44,8 +45,8 @@ def viewpoints(scene: Scene, light: Light, caster: RayCaster | None = None) -> t
 
     The eye is at the height of a man, 1.7 m, or between 1 % and 10 % of the scene's diagonal where that is
     much larger or smaller, and at least 15 degrees above the lit surface. It is on the lit side, with a free
-    line to the place that it looks at, never farther than 90 % of the way to the first wall behind it; where
-    a wall leaves less than 60 % of the wanted distance, up to 65 degrees aside are tried.
+    line to the place that it looks at, never farther than 90 % of the way to the first wall behind it, or
+    to where the scene is left behind by a tenth of its diagonal; where that leaves less than 60 % of the wanted distance, up to 65 degrees aside are tried.
 
     Args:
         scene: Its cameras do not count.
@@ -61,7 +62,7 @@ def viewpoints(scene: Scene, light: Light, caster: RayCaster | None = None) -> t
         return ()
     eye_height = min(max(EYE_HEIGHT_M, 0.01 * extent), 0.1 * extent)
     wishes = [_wishes(scene, light, place, extent, eye_height) for place in places]
-    paths = _free_paths(caster, places, wishes)
+    paths = _free_paths(scene, caster, places, wishes)
     openness = [
         min(float(_reach(wish, free).max()) / wish.distance for wish, free in zip(*pair, strict=True))
         for pair in zip(wishes, paths, strict=True)
@@ -117,13 +118,19 @@ def _turned(level: Array, normal: Array, rise: float) -> Array:
     return turned * cos(rise) + normal * sin(rise)
 
 
-def _free_paths(caster: RayCaster, places: list[LitPlace], wishes: list[list[_Wish]]) -> Array:
-    """(places, rules, directions) float64: how far the view from each place is free, metres."""
+def _free_paths(scene: Scene, caster: RayCaster, places: list[LitPlace], wishes: list[list[_Wish]]) -> Array:
+    """(places, rules, directions) float64: metres to the first surface, or out of the scene's surroundings."""
     directions = np.array([[wish.directions for wish in rules] for rules in wishes])
     starts = np.array([place.point + _LIFT * caster.extent * place.normal for place in places])
     origins = np.broadcast_to(starts[:, None, None], directions.shape)
     free, _ = caster.hits(origins.reshape(-1, 3), directions.reshape(-1, 3))
-    return free.reshape(directions.shape[:3])
+    margin = _SURROUNDINGS * caster.extent
+    with np.errstate(divide="ignore"):
+        leaving = np.maximum(
+            (scene.bounds[0] - margin - origins) / directions,
+            (scene.bounds[1] + margin - origins) / directions,
+        ).min(axis=-1)
+    return np.minimum(free.reshape(leaving.shape), leaving)
 
 
 def _reach(wish: _Wish, free: Array) -> Array:

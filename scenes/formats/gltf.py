@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from scenes.errors import LevelError
+from scenes.gltf import annotation
+from scenes.gltf import companions as named_files
 from scenes.gltf.asset import Asset, NoteBook
 from scenes.gltf.cameras import read_camera
 from scenes.gltf.container import open_container, parse_json
@@ -15,10 +18,12 @@ from scenes.gltf.nodes import choose_scene, walk
 from scenes.gltf.placement import place_meshes
 from scenes.level import Level
 from scenes.level_file import read_level_file
+from scenes.light_annotation import Cleared, LightAnnotation
 from scenes.scene import Camera, Light, Mesh, Scene
 
 NAME = "glTF 2.0"
 SUFFIXES = (".gltf", ".glb")
+MEND = "Mend it in the editor that made the level, and export it again."
 
 
 def read(path: Path, scene_name: str | None = None) -> Level:
@@ -36,7 +41,35 @@ def read(path: Path, scene_name: str | None = None) -> Level:
         return _read(source, path, scene_name)
     except LevelError as error:
         error.where = f"{path}, {error.where}" if error.where else str(path)
+        error.remedy = error.remedy or MEND
         raise
+
+
+def annotate(source: bytes, annotations: Mapping[int, LightAnnotation]) -> bytes:
+    """The file with these annotations, by node index, in place of any earlier ones of ours.
+
+    Raises:
+        LevelError: The file is not valid glTF JSON or GLB, or has no such node.
+    """
+    return annotation.annotate(source, annotations)
+
+
+def clear(source: bytes) -> Cleared:
+    """The file without our annotations.
+
+    Raises:
+        LevelError: The file is not valid glTF JSON or GLB.
+    """
+    return annotation.clear(source)
+
+
+def companions(source: bytes, path: Path) -> tuple[Path, ...]:
+    """The existing files that a .gltf names, relative to its folder; none for a GLB.
+
+    Raises:
+        LevelError: The file is not valid glTF JSON or GLB.
+    """
+    return named_files.companions(source, path)
 
 
 def _read(source: bytes, path: Path, scene_name: str | None) -> Level:
@@ -72,7 +105,7 @@ def _judge(asset: Asset, scene: Scene, geometry: GeometryReader, notes: NoteBook
             "All geometry of this level is stored in a way that this version does not read yet.",
             where="meshes",
             known=f"It uses {', '.join(geometry.lost)}.",
-            remedy="Export it without.",
+            remedy="Export it plainly: no compression, no sparse accessors, positions in every primitive.",
         )
     if not scene.triangle_count:
         notes.warning("scene", "This level has no triangles: nothing casts a shadow.")

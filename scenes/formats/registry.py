@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Protocol, runtime_checkable
@@ -13,6 +13,7 @@ import scenes.formats
 from scenes.errors import LevelError
 from scenes.level import Level
 from scenes.level_file import is_folder
+from scenes.light_annotation import Cleared, LightAnnotation
 
 OWN_NAME = __name__.rpartition(".")[2]
 
@@ -36,6 +37,29 @@ class LevelFormat(Protocol):
             LevelError: The file cannot be read, or holds no such scene.
         """
 
+    def annotate(self, source: bytes, annotations: Mapping[int, LightAnnotation]) -> bytes:
+        """The bytes of a level file with these annotations, by `Light.node`, in place of earlier ones.
+
+        The same annotations give the same bytes.
+
+        Raises:
+            LevelError: The file is broken, or has no such node.
+        """
+
+    def clear(self, source: bytes) -> Cleared:
+        """The bytes of a level file without our annotations: the original ones where that is possible.
+
+        Raises:
+            LevelError: The file is broken.
+        """
+
+    def companions(self, source: bytes, path: Path) -> tuple[Path, ...]:
+        """The existing files that the level at `path` needs beside it, relative to its folder.
+
+        Raises:
+            LevelError: The file is broken.
+        """
+
 
 def load_formats(folders: Iterable[str], package: str) -> dict[str, LevelFormat]:
     """Suffix -> format, for every module in the folders; one that is broken stops the program.
@@ -49,7 +73,10 @@ def load_formats(folders: Iterable[str], package: str) -> dict[str, LevelFormat]
             continue
         module = importlib.import_module(f"{package}.{info.name}")
         if not isinstance(module, LevelFormat):
-            raise TypeError(f"{module.__name__} is no level format: it lacks NAME, SUFFIXES or read().")
+            raise TypeError(
+                f"{module.__name__} is no level format: it lacks NAME, SUFFIXES, read(), annotate(), clear()"
+                " or companions()."
+            )
         for suffix in module.SUFFIXES:
             if suffix in formats:
                 raise TypeError(f"{module.__name__} claims {suffix}, which {formats[suffix].NAME} has.")
@@ -76,7 +103,7 @@ def format_of(path: Path) -> LevelFormat:
             f'No level format has the suffix "{path.suffix}".' if path.suffix else "This name has no suffix.",
             where=str(path),
             known=f"Known are {', '.join(sorted(formats))}.",
-            remedy="Is this a level file?",
+            remedy="Export the level as one of these.",
         )
     return found
 
@@ -92,5 +119,5 @@ def read_level(path: Path, scene_name: str | None = None) -> Level:
         LevelError: The file is missing, broken or of no known format, or holds no such scene.
     """
     if is_folder(path):
-        raise LevelError("This is a folder, not a file.", where=str(path))
+        raise LevelError("This is a folder, not a file.", where=str(path), remedy="Name a file in it.")
     return format_of(path).read(path, scene_name)

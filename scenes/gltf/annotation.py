@@ -7,80 +7,39 @@ A light node gets flat scalars in its `extras` and the vendor extension. The ext
 - `jsonLength`: bytes of its JSON chunk with padding (GLB only);
 - `extras`: the keys that were written into this node's `extras`;
 - `absent`: which of `extras`, `extensions` (of this node) and `extensionsUsed` were created;
-- `declared`: true where the author had already listed the extension in `extensionsUsed`.
+- `hadStrays`: true where the file held keys of ours already, but no record of them.
 
-Scalars whose key the author uses himself, and all of them where `extras` is not an object, stand in the
-extension under `withheldExtras` instead.
+Such strays are left by programs that keep `extras` and drop the extension, as Blender does. Everything of
+ours is taken out before an annotation is written, so nobody reads a stale one; what such a file was like
+before cannot be told, so clearing it never counts as restoring it.
+
+Where `extras` is not an object, the scalars stand in the extension under `withheldExtras` instead.
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-from scenes.gltf.annotation_edits import declaration, node_edits, node_removals, undeclaration
-from scenes.gltf.annotation_record import (
-    EXTENSION,
-    PREFIX,
-    AnnotatedNode,
-    GltfFile,
-    Scalar,
-    annotated_nodes,
-    opened,
-)
+from scenes.gltf.annotation_edits import declaration, node_edits, removals
+from scenes.gltf.annotation_record import GltfFile, marked_nodes, opened
 from scenes.gltf.json_chunk import padded
 from scenes.gltf.json_splice import spliced
+from scenes.light_annotation import Cleared, LightAnnotation
 
-__all__ = ["EXTENSION", "Cleared", "LightAnnotation", "annotate", "clear", "is_annotated"]
+_RESERVED = frozenset({"original", "withheldExtras"})
 
-_RESERVED = ("original", "withheldExtras")
-
-
-@dataclass(frozen=True)
-class LightAnnotation:
-    """What is written at one light node.
-
-    Attributes:
-        extras: Flat scalars for the node's `extras`; every key starts with `gnomon_`.
-        extension: JSON object for the vendor extension on the same node.
-
-    Raises:
-        ValueError: A key or value that must not be written: our own bug.
-    """
-
-    extras: Mapping[str, Scalar]
-    extension: Mapping[str, Any]
-
-    def __post_init__(self) -> None:
-        for key, value in self.extras.items():
-            if not key.startswith(PREFIX):
-                raise ValueError(f"extras key {key!r} does not start with {PREFIX}")
-            if not isinstance(value, Scalar):
-                raise ValueError(f"extras value of {key} is no scalar: {value!r}")  # noqa: TRY004 - one kind of error
-            if isinstance(value, float) and not math.isfinite(value):
-                raise ValueError(f"extras value of {key} is {value}, which JSON cannot hold")
-        if taken := [key for key in _RESERVED if key in self.extension]:
-            raise ValueError(f"extension keys {taken} are written by the annotation itself")
-        json.dumps(dict(self.extension), allow_nan=False)
-
-
-@dataclass(frozen=True)
-class Cleared:
-    """A file without our annotation.
-
-    Attributes:
-        data: The file.
-        restored: Whether it is, by SHA-256, byte for byte the file that was annotated.
-        note: One sentence for the user.
-    """
-
-    data: bytes
-    restored: bool
-    note: str
+_NOTHING = "There was nothing to clear."
+_RESTORED = "The original is restored byte for byte."
+_CHANGED = (
+    "Gnomon's annotation is removed, but another program has changed the file since it was annotated,"
+    " so the bytes of the original cannot be restored."
+)
+_STRAYS = (
+    "Gnomon's keys are removed, but another program has dropped the record of what the file was before,"
+    " so the bytes of the original cannot be restored."
+)
 
 
 def annotate(source: bytes, annotations: Mapping[int, LightAnnotation], *, where: str = "") -> bytes:
@@ -93,19 +52,24 @@ def annotate(source: bytes, annotations: Mapping[int, LightAnnotation], *, where
 
     Raises:
         LevelError: The file is not valid glTF JSON or GLB, or has no such node.
+        ValueError: An extension holds a key that is written here: our own bug.
     """
     file = opened(source, where)
-    if annotated := annotated_nodes(file):
-        source = _cleared(file, annotated).data
-        file = opened(source, where)
+    bare = _bare(file)
     if not annotations:
-        return source
+        return bare.data
+    if bare.data is not source:
+        file = opened(bare.data, where)
     raw = file.raw
     edits, record = declaration(file)
-    record["sha256"] = hashlib.sha256(source).hexdigest()
+    record["sha256"] = hashlib.sha256(bare.data).hexdigest()
     if file.chunk.binary:
         record["jsonLength"] = len(raw.text)
+    if bare.had_strays:
+        record["hadStrays"] = True
     for index, one in annotations.items():
+        if taken := sorted(_RESERVED & one.extension.keys()):
+            raise ValueError(f"extension keys {taken} are written by the annotation itself")
         edits += node_edits(file, index, one.extras, one.extension, record)
     text = spliced(raw.text, edits)
     return file.chunk.holding(padded(text) if file.chunk.binary else text)
@@ -117,11 +81,8 @@ def clear(source: bytes, *, where: str = "") -> Cleared:
     Raises:
         LevelError: The file is not valid glTF JSON or GLB.
     """
-    file = opened(source, where)
-    annotated = annotated_nodes(file)
-    if not annotated:
-        return Cleared(source, restored=True, note="There was nothing to clear.")
-    return _cleared(file, annotated)
+    bare = _bare(opened(source, where))
+    return Cleared(bare.data, restored=bare.note in (_NOTHING, _RESTORED), note=bare.note)
 
 
 def is_annotated(source: bytes) -> bool:
@@ -130,25 +91,39 @@ def is_annotated(source: bytes) -> bool:
     Raises:
         LevelError: The file is not valid glTF JSON or GLB.
     """
-    return bool(annotated_nodes(opened(source, "")))
+    return any(one.ours for one in marked_nodes(opened(source, "")))
 
 
-def _cleared(file: GltfFile, annotated: list[AnnotatedNode]) -> Cleared:
+@dataclass(frozen=True)
+class _Bare:
+    """A file without anything of ours.
+
+    Attributes:
+        data: The file.
+        had_strays: Whether keys of ours without a record were taken out of it, now or earlier.
+        note: What happened, for the user.
+    """
+
+    data: bytes
+    had_strays: bool
+    note: str
+
+
+def _bare(file: GltfFile) -> _Bare:
+    marked = marked_nodes(file)
+    edits = removals(file, marked)
+    if not edits:
+        return _Bare(file.chunk.source, had_strays=False, note=_NOTHING)
     raw = file.raw
-    edits = undeclaration(file, annotated)
-    for one in annotated:
-        edits += node_removals(file, one)
     text = spliced(raw.text, edits)
     root_end = raw.root.end - (len(raw.text) - len(text))
-    original = annotated[0].original
-    exact = text if original.json_length is None else text[: max(original.json_length, root_end)]
-    data = file.chunk.holding(exact)
-    if hashlib.sha256(data).hexdigest() == original.sha256:
-        return Cleared(data, restored=True, note="The original is restored byte for byte.")
-    if file.chunk.binary:
-        data = file.chunk.holding(padded(text[:root_end]))
-    note = (
-        "Gnomon's annotation is removed, but another program has changed the file since it was annotated,"
-        " so the bytes of the original cannot be restored."
-    )
-    return Cleared(data, restored=False, note=note)
+    records = [one.original for one in marked if one.ours]
+    had_strays = not records or any(one.had_strays for one in records)
+    if records:
+        length = records[0].json_length
+        exact = file.chunk.holding(text if length is None else text[: max(length, root_end)])
+        if hashlib.sha256(exact).hexdigest() == records[0].sha256:
+            return _Bare(exact, had_strays, _STRAYS if had_strays else _RESTORED)
+    data = file.chunk.holding(padded(text[:root_end]) if file.chunk.binary else text)
+    had_strays |= any(not one.ours for one in marked)
+    return _Bare(data, had_strays, _CHANGED if records else _STRAYS)

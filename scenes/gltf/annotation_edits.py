@@ -7,12 +7,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from scenes.errors import LevelError
-from scenes.gltf.annotation_record import EXTENSION, AnnotatedNode, GltfFile, Scalar
+from scenes.gltf.annotation_record import EXTENSION, GltfFile, MarkedNode
 from scenes.gltf.json_splice import Edit, Item, RawJson, Span
+from scenes.light_annotation import Scalar
 
 
 def declaration(file: GltfFile) -> tuple[list[Edit], dict[str, Any]]:
     """The edits that list our extension in `extensionsUsed`, and what the record says about it.
+
+    Args:
+        file: A file without anything of ours.
 
     Raises:
         LevelError: `extensionsUsed` is not an array.
@@ -24,20 +28,25 @@ def declaration(file: GltfFile) -> tuple[list[Edit], dict[str, Any]]:
         return [raw.appending(raw.root, [member])], {"absent": ["extensionsUsed"]}
     if raw.kind(used.value) != "[":
         raise _misfit(file, "extensionsUsed", "an array", used.value)
-    if _listed(raw, used.value):
-        return [], {"absent": [], "declared": True}
     return [raw.appending(used.value, [json.dumps(EXTENSION).encode()])], {"absent": []}
 
 
-def undeclaration(file: GltfFile, annotated: list[AnnotatedNode]) -> list[Edit]:
-    """The edits that undo `declaration`, as far as the nodes' records say that it was ours."""
+def removals(file: GltfFile, marked: list[MarkedNode]) -> list[Edit]:
+    """The edits that take out everything of ours; containers that we created and emptied go with it."""
+    edits = _undeclaration(file, marked)
+    for one in marked:
+        edits += _node_removals(file, one)
+    return edits
+
+
+def _undeclaration(file: GltfFile, marked: list[MarkedNode]) -> list[Edit]:
     raw = file.raw
     used = raw.member(raw.root, "extensionsUsed")
-    if used is None or raw.kind(used.value) != "[" or any(one.original.declared for one in annotated):
+    if used is None or raw.kind(used.value) != "[":
         return []
     listed = _listed(raw, used.value)
-    created = any("extensionsUsed" in one.original.absent for one in annotated)
-    if created and listed == raw.items(used.value):
+    created = all("extensionsUsed" in one.original.absent for one in marked)
+    if created and listed and listed == raw.items(used.value):
         return raw.removing(raw.root, [used])
     return raw.removing(used.value, listed)
 
@@ -49,7 +58,7 @@ def node_edits(
     extension: Mapping[str, Any],
     record: dict[str, Any],
 ) -> list[Edit]:
-    """The edits that put the scalars and the extension, with its record, at one node.
+    """The edits that put the scalars and the extension, with its record, at one node without any of ours.
 
     Raises:
         LevelError: There is no such node, or its `extensions` are not an object.
@@ -58,8 +67,8 @@ def node_edits(
     before, extensions = raw.member(node, "extras"), raw.member(node, "extensions")
     if extensions is not None and raw.kind(extensions.value) != "{":
         raise _misfit(file, f"node {index}, extensions", "an object", extensions.value)
-    written = _writable(raw, before, extras)
-    withheld = {key: value for key, value in extras.items() if key not in written}
+    fits = before is None or raw.kind(before.value) == "{"
+    written, withheld = (dict(extras), {}) if fits else ({}, dict(extras))
     created = [] if extensions else ["extensions"]
     if before is None and written:
         created.append("extras")
@@ -79,23 +88,17 @@ def node_edits(
     return [*edits, raw.appending(node, members)] if members else edits
 
 
-def node_removals(file: GltfFile, one: AnnotatedNode) -> list[Edit]:
-    """The edits that undo `node_edits`, as far as the node's record says what was ours."""
-    raw, absent = file.raw, one.original.absent
-    edits, emptied = [], []
-    if "extensions" in absent and one.ours == raw.items(one.extensions.value):
-        emptied.append(one.extensions)
-    else:
-        edits += raw.removing(one.extensions.value, one.ours)
-    extras = raw.member(one.node, "extras")
-    if extras is not None and raw.kind(extras.value) == "{":
-        items = raw.items(extras.value)
-        drop = [item for item in items if item.name in one.original.extras]
-        if "extras" in absent and drop == items:
-            emptied.append(extras)
+def _node_removals(file: GltfFile, one: MarkedNode) -> list[Edit]:
+    edits: list[Edit] = []
+    emptied: list[Item] = []
+    for container, ours in ((one.extensions, one.ours), (one.extras, one.keys)):
+        if container is None or not ours:
+            continue
+        if container.name in one.original.absent and ours == file.raw.items(container.value):
+            emptied.append(container)
         else:
-            edits += raw.removing(extras.value, drop)
-    return edits + raw.removing(one.node, emptied)
+            edits += file.raw.removing(container.value, ours)
+    return edits + file.raw.removing(one.node, emptied)
 
 
 def _node(file: GltfFile, index: int) -> Span:
@@ -109,16 +112,6 @@ def _node(file: GltfFile, index: int) -> Span:
     if file.raw.kind(file.nodes[index]) != "{":
         raise _misfit(file, f"node {index}", "an object", file.nodes[index])
     return file.nodes[index]
-
-
-def _writable(raw: RawJson, before: Item | None, extras: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    """The scalars that may go into the node's `extras`: those whose keys the author does not use."""
-    if before is None:
-        return dict(extras)
-    if raw.kind(before.value) != "{":
-        return {}
-    authors = {item.name for item in raw.items(before.value)}
-    return {key: value for key, value in extras.items() if key not in authors}
 
 
 def _listed(raw: RawJson, used: Span) -> list[Item]:

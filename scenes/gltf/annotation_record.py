@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 from scenes.gltf.json_chunk import JsonChunk, find_json
 from scenes.gltf.json_splice import Item, RawJson, Span
+from scenes.light_annotation import MOBILITY_KEY, OWN_KEYS
 
 EXTENSION = "GNOMON_lights_shadow_technique"
 PREFIX = "gnomon_"
-Scalar = str | float | int | bool
 # Some exporters pad the JSON chunk with zeros, against the specification.
 _GLB_PADDING = b" \t\n\r\0"
 
@@ -19,34 +19,38 @@ class Original:
     """What the extension of one node says about the file without annotation.
 
     Attributes:
-        sha256: Digest of that file; empty where the extension does not say.
+        sha256: Digest of that file; empty where nothing says it.
         json_length: Bytes of its JSON chunk with padding, if it is a GLB.
         extras: Keys that we wrote into the node's `extras`.
-        absent: Which of `extras`, `extensions` and `extensionsUsed` we created.
-        declared: Whether the author had listed our extension in `extensionsUsed` already.
+        absent: Which of `extras`, `extensions` and `extensionsUsed` we created; all where nothing says it.
+        had_strays: Whether the file held keys of ours already, without a record.
     """
 
     sha256: str = ""
     json_length: int | None = None
     extras: frozenset[str] = frozenset()
-    absent: frozenset[str] = frozenset()
-    declared: bool = False
+    absent: frozenset[str] = frozenset({"extras", "extensions", "extensionsUsed"})
+    had_strays: bool = False
 
 
 @dataclass(frozen=True)
-class AnnotatedNode:
-    """A node that carries our extension.
+class MarkedNode:
+    """A node that carries our extension, or keys of ours in its `extras`.
 
     Attributes:
         node: Span of the node object.
-        extensions: Its `extensions` member.
-        ours: Our members in it: one, unless another program has doubled it.
-        original: What the last of them says.
+        extensions: Its `extensions` member, where that holds ours.
+        ours: Our members in it: one, unless another program has doubled it or dropped it.
+        extras: Its `extras` member, if that is an object.
+        keys: Our members in it.
+        original: What our last extension says.
     """
 
     node: Span
-    extensions: Item
+    extensions: Item | None
     ours: list[Item]
+    extras: Item | None
+    keys: list[Item]
     original: Original
 
 
@@ -84,24 +88,33 @@ def opened(source: bytes, where: str) -> GltfFile:
     return GltfFile(chunk, raw, where, [item.value for item in raw.items(nodes.value)])
 
 
-def annotated_nodes(file: GltfFile) -> list[AnnotatedNode]:
-    """The nodes that carry our extension, in order."""
+def marked_nodes(file: GltfFile) -> list[MarkedNode]:
+    """The nodes that carry anything of ours, in order."""
     found = []
     for node in file.nodes:
         if file.raw.kind(node) != "{" or not _may_name_us(file.raw.text, node):
             continue
-        extensions = file.raw.member(node, "extensions")
-        if extensions is None or file.raw.kind(extensions.value) != "{":
-            continue
-        ours = [item for item in file.raw.items(extensions.value) if item.name == EXTENSION]
-        if ours:
-            found.append(AnnotatedNode(node, extensions, ours, _original(file.raw, ours[-1].value)))
+        extensions, ours = _members(file.raw, node, "extensions", frozenset({EXTENSION}))
+        original = _original(file.raw, ours[-1].value) if ours else Original()
+        extras, keys = _members(file.raw, node, "extras", OWN_KEYS | original.extras)
+        if ours or keys:
+            found.append(MarkedNode(node, extensions, ours, extras, keys, original))
     return found
+
+
+def _members(
+    raw: RawJson, node: Span, container: str, names: frozenset[str]
+) -> tuple[Item | None, list[Item]]:
+    """A node's `extras` or `extensions`, if it is an object, and those of its members with these names."""
+    member = raw.member(node, container)
+    if member is None or raw.kind(member.value) != "{":
+        return None, []
+    return member, [item for item in raw.items(member.value) if item.name in names]
 
 
 def _may_name_us(text: bytes, node: Span) -> bool:
     # A key may be spelt with escapes. Most nodes are done with here: files have thousands of them.
-    return text.find(EXTENSION.encode(), *node) >= 0 or text.find(b"\\", *node) >= 0
+    return any(text.find(one, *node) >= 0 for one in (EXTENSION.encode(), PREFIX.encode(), b"\\"))
 
 
 def _original(raw: RawJson, extension: Span) -> Original:
@@ -119,9 +132,13 @@ def _original(raw: RawJson, extension: Span) -> Original:
     return Original(
         sha256=str(record.get("sha256")),
         json_length=length if isinstance(length, int) else None,
-        extras=frozenset(name for name in _strings(record.get("extras")) if name.startswith(PREFIX)),
+        extras=frozenset(
+            name
+            for name in _strings(record.get("extras"))
+            if name.startswith(PREFIX) and name != MOBILITY_KEY
+        ),
         absent=frozenset(_strings(record.get("absent"))),
-        declared=record.get("declared") is True,
+        had_strays=record.get("hadStrays") is True,
     )
 
 

@@ -1,23 +1,21 @@
 """The bytes behind a glTF buffer: the BIN chunk, a data URI or a file in the level's folder.
 
-Source: glTF 2.0 specification (Khronos), sections 3.6.1 and 2.8 (URIs); RFC 2397 (data URIs).
+Source: glTF 2.0 specification (Khronos), section 3.6.1; RFC 2397 (data URIs).
 """
 
 from __future__ import annotations
 
 import base64
 import binascii
-import os
-import re
-from pathlib import Path
-from urllib.parse import unquote, unquote_to_bytes
+from urllib.parse import unquote_to_bytes
 
 from scenes.errors import LevelError
 from scenes.gltf.asset import Asset
+from scenes.gltf.companions import local_path
 from scenes.gltf.entry import Entry
 from scenes.level_file import read_level_file
 
-SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
+_SLASHES = "Write / instead of \\ in the uri: glTF knows no other way to name a folder."
 
 
 def load_buffer(asset: Asset, index: int, referrer: str) -> memoryview:
@@ -58,15 +56,15 @@ def _content(asset: Asset, index: int, buffer: Entry, length: int) -> bytes:
         )
     if uri.startswith("data:"):
         return _data_uri(uri, buffer)
-    path = _local_path(uri, asset.folder, buffer)
+    path = asset.folder / local_path(uri, buffer.where)
     try:
         return read_level_file(path, limit=length)
     except LevelError as error:
         raise LevelError(
             f"The buffer file {uri} cannot be used.",
             where=buffer.where,
-            known=str(error),
-            remedy="Put it beside the level, under this name.",
+            known=f"{error.where}: {error.what} {error.known}".strip(),
+            remedy=_SLASHES if "\\" in uri else error.remedy or "Put it beside the level, under this name.",
         ) from None
 
 
@@ -81,21 +79,3 @@ def _data_uri(uri: str, buffer: Entry) -> bytes:
         return base64.b64decode(content, validate=True)
     except binascii.Error as error:
         raise LevelError("The data URI is not valid base64.", where=buffer.where, known=f"{error}.") from None
-
-
-def _local_path(uri: str, folder: Path, buffer: Entry) -> Path:
-    if SCHEME.match(uri) or uri.startswith(("/", "\\")):
-        raise LevelError(
-            f"The uri {uri[:80]} is absolute; only files beside the level are read.",
-            where=buffer.where,
-            remedy="Put the file into the level's folder and name it relative to the level.",
-        )
-    # By its text, not by what links on disk point to: those were made by the user, not by the level.
-    relative = Path(os.path.normpath(unquote(uri)))
-    if os.pardir in relative.parts or relative.is_absolute():
-        raise LevelError(
-            f"The uri {uri[:80]} leaves the level's folder.",
-            where=buffer.where,
-            remedy="Put the file into the level's folder.",
-        )
-    return folder / relative

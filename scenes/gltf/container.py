@@ -6,18 +6,13 @@ Source: glTF 2.0 specification (Khronos), sections 3.2 "Asset" and 4 "GLB File F
 from __future__ import annotations
 
 import json
-import struct
+import reprlib
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from scenes.errors import LevelError
-from scenes.gltf.entry import Entry
-
-MAGIC = b"glTF"
-HEADER_BYTES = 12
-CHUNK_HEADER_BYTES = 8
-JSON_CHUNK = 0x4E4F534A
-BINARY_CHUNK = 0x004E4942
+from scenes.gltf.entry import Entry, printable
+from scenes.gltf.json_chunk import BINARY_CHUNK, CHUNK, MAGIC, JsonChunk, chunk_at, find_json
 
 
 @dataclass(frozen=True)
@@ -45,8 +40,9 @@ def open_container(source: bytes, *, binary_expected: bool) -> Container:
     Raises:
         LevelError: It should be a GLB and is none, or is a broken one.
     """
-    if source.startswith(MAGIC):
-        return split_glb(source)
+    chunk = find_json(source)
+    if chunk.binary:
+        return Container(chunk.text, _binary(chunk), len(source) - chunk.total)
     if binary_expected:
         looks_like_json = source.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{")
         raise LevelError(
@@ -58,53 +54,17 @@ def open_container(source: bytes, *, binary_expected: bool) -> Container:
     return Container(source, None)
 
 
-def split_glb(source: bytes) -> Container:
-    """The chunks of a GLB; chunks of other kinds are ignored, as the specification asks.
-
-    Raises:
-        LevelError: The header or a chunk is cut off, the version is not 2, or the first chunk is not JSON.
-    """
-    if len(source) < HEADER_BYTES:
-        raise _truncated("inside its header", len(source), HEADER_BYTES)
-    version, length = struct.unpack_from("<II", source, 4)
-    if version != 2:
-        raise LevelError(
-            f"This is binary glTF version {version}; only version 2 is read.",
-            where="byte 4",
-            remedy="Export the level as glTF 2.0.",
-        )
-    if length > len(source):
-        raise _truncated("before the length that its header states", len(source), length)
-    chunks = _chunks(source, length)
-    if not chunks or chunks[0][0] != JSON_CHUNK:
-        raise LevelError("The first chunk of this GLB is not its JSON.", where=f"byte {HEADER_BYTES}")
-    binary = next((content for kind, content in chunks if kind == BINARY_CHUNK), None)
-    return Container(chunks[0][1], binary, len(source) - length)
-
-
-def _chunks(source: bytes, length: int) -> list[tuple[int, bytes]]:
-    chunks = []
-    offset = HEADER_BYTES
-    while offset < length:
-        start = offset + CHUNK_HEADER_BYTES
-        if start > length:
-            raise _truncated(f"inside the chunk header at byte {offset}", length, start)
-        size, kind = struct.unpack_from("<II", source, offset)
-        if start + size > length:
-            raise _truncated(f"inside the chunk at byte {offset}", length, start + size)
-        chunks.append((kind, source[start : start + size]))
-        # Real files have JSON chunks of unaligned length with the next chunk right behind.
-        offset = start + size
-    return chunks
-
-
-def _truncated(place: str, found: int, needed: int) -> LevelError:
-    return LevelError(
-        f"This GLB ends {place}.",
-        where=f"byte {found}",
-        known=f"It has {found} bytes and needs {needed}.",
-        remedy="It was cut off: copy or export it again.",
-    )
+def _binary(json_chunk: JsonChunk) -> bytes | None:
+    """The first BIN chunk; chunks of other kinds are ignored, as the specification asks."""
+    found = None
+    offset = json_chunk.end
+    # Real files have JSON chunks of unaligned length with the next chunk right behind.
+    while offset < json_chunk.total:
+        kind, end = chunk_at(json_chunk.source, offset, json_chunk.total)
+        if kind == BINARY_CHUNK and found is None:
+            found = json_chunk.source[offset + CHUNK.size : end]
+        offset = end
+    return found
 
 
 def parse_json(text: bytes) -> Entry:
@@ -115,7 +75,12 @@ def parse_json(text: bytes) -> Entry:
     """
     root = _decoded(text)
     if not isinstance(root, dict):
-        raise LevelError("The JSON of a glTF file must be an object.", where="JSON")
+        raise LevelError(
+            "The JSON of a glTF file must be an object.",
+            where="JSON",
+            known=f"It is {printable(reprlib.repr(root))}.",
+            remedy="Is this a glTF file? If so, export it again.",
+        )
     entry = Entry(root, "JSON root")
     asset = entry.child("asset", "asset")
     version = asset.text("version")
@@ -138,16 +103,21 @@ def _decoded(text: bytes) -> Any:
         raise LevelError(
             "The JSON is not UTF-8.",
             where=f"JSON byte {error.start}",
-            remedy="Save the file as UTF-8.",
+            known=f"Found {text[error.start : error.start + 8]!r} there.",
+            remedy="Export the level again, or save the text as UTF-8.",
         ) from None
     except json.JSONDecodeError as error:
+        excerpt = error.doc[error.pos : error.pos + 24]
         raise LevelError(
             "The JSON is not valid.",
             where=f"JSON line {error.lineno}, column {error.colno}",
-            known=f"{error.msg}.",
+            known=f"{error.msg}: found {excerpt!r}." if excerpt else f"{error.msg}: the text ends there.",
+            remedy="Export the level again, or repair the text at that place.",
         ) from None
     except RecursionError:
-        raise LevelError("The JSON is nested too deep.", where="JSON") from None
+        raise LevelError(
+            "The JSON is nested too deep.", where="JSON", remedy="No exporter writes this: export it again."
+        ) from None
     except ValueError as error:
         raise LevelError("The JSON is not valid.", where="JSON", known=f"{error}.") from None
 

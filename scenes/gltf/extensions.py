@@ -51,7 +51,7 @@ def check_extensions(asset: Asset, notes: NoteBook) -> None:
                 f"This level needs {NOT_READ[name]}, which this version does not read yet.",
                 where="extensionsRequired",
                 known=f"It requires the extension {name}.",
-                remedy="Export it without.",
+                remedy="Switch it off in the exporter's settings.",
             )
     for name in dict.fromkeys(required):
         if name.startswith(HARMLESS_PREFIXES):

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from scenes.errors import LevelError
 from scenes.gltf.accessors import AccessorReader
 from scenes.gltf.asset import Asset, NoteBook
 from scenes.gltf.entry import Entry
@@ -61,8 +62,13 @@ class GeometryReader:
         """
         if index not in self._meshes:
             mesh = self._asset.entry("meshes", index, referrer)
-            primitives = enumerate(mesh.items("primitives"))
-            parts = [self._part(mesh, number, values) for number, values in primitives]
+            try:
+                parts = [self._part(mesh, i, values) for i, values in enumerate(mesh.items("primitives"))]
+            except LevelError as error:
+                # Authors know their nodes by name, and accessors not at all.
+                place = error.where if error.where.startswith(mesh.where) else f"{mesh.where}, {error.where}"
+                error.where = f"{referrer}, {place}"
+                raise
             self._meshes[index] = tuple(part for part in parts if part is not None)
         return self._meshes[index]
 

@@ -10,9 +10,11 @@ from dataclasses import dataclass
 
 from scenes.errors import LevelError
 
-_HEADER = struct.Struct("<4sII")
-_CHUNK = struct.Struct("<I4s")
-_TEXT_START = _HEADER.size + _CHUNK.size
+MAGIC = b"glTF"
+JSON_CHUNK = b"JSON"
+BINARY_CHUNK = b"BIN\0"
+HEADER = struct.Struct("<4sII")
+CHUNK = struct.Struct("<I4s")
 _LONGEST_GLB = 2**32 - 1
 
 
@@ -25,12 +27,14 @@ class JsonChunk:
         binary: Whether the file is a GLB; otherwise all of it is JSON text.
         start: First byte of the text.
         end: First byte after the text and its padding.
+        total: Bytes of the file as its header states them; what follows is ignored by readers.
     """
 
     source: bytes
     binary: bool
     start: int
     end: int
+    total: int
 
     @property
     def text(self) -> bytes:
@@ -45,8 +49,8 @@ class JsonChunk:
         """
         if not self.binary:
             return text
-        magic, version, total = _HEADER.unpack_from(self.source)
-        _, kind = _CHUNK.unpack_from(self.source, _HEADER.size)
+        magic, version, total = HEADER.unpack_from(self.source)
+        _, kind = CHUNK.unpack_from(self.source, HEADER.size)
         total += len(text) - (self.end - self.start)
         if total > _LONGEST_GLB:
             raise LevelError(
@@ -54,7 +58,7 @@ class JsonChunk:
                 known=f"It would be {total} bytes long, a GLB is at most {_LONGEST_GLB}.",
                 remedy="Export the level as .gltf with separate buffers.",
             )
-        head = _HEADER.pack(magic, version, total) + _CHUNK.pack(len(text), kind)
+        head = HEADER.pack(magic, version, total) + CHUNK.pack(len(text), kind)
         return b"".join([head, text, self.source[self.end :]])
 
 
@@ -74,25 +78,54 @@ def find_json(source: bytes, *, where: str = "") -> JsonChunk:
     Raises:
         LevelError: A GLB of another version, cut short, or with another first chunk than JSON.
     """
-    if not source.startswith(b"glTF"):
-        return JsonChunk(source, binary=False, start=0, end=len(source))
-    if len(source) < _TEXT_START:
-        raise _broken("The GLB file is cut short.", where, len(source), f"It has {len(source)} bytes.")
-    _, version, total = _HEADER.unpack_from(source)
-    length, kind = _CHUNK.unpack_from(source, _HEADER.size)
+    if not source.startswith(MAGIC):
+        return JsonChunk(source, binary=False, start=0, end=len(source), total=len(source))
+    if len(source) < HEADER.size:
+        raise _truncated("inside its header", len(source), HEADER.size, where)
+    _, version, total = HEADER.unpack_from(source)
     if version != 2:
-        raise _broken("This is not a glTF 2.0 file.", where, 4, f"Its GLB version is {version}.")
+        raise LevelError(
+            "Only version 2 of binary glTF is read.",
+            where=_place(where, 4),
+            known=f"This is binary glTF version {version}.",
+            remedy="Export the level as glTF 2.0.",
+        )
     if total > len(source):
-        known = f"Its header says {total} bytes, the file has {len(source)}."
-        raise _broken("The GLB file is cut short.", where, 8, known)
-    if kind != b"JSON":
-        raise _broken("The first chunk of the GLB file is not JSON.", where, 16, f"Its type is {kind!r}.")
-    if length > total - _TEXT_START:
-        known = f"It claims {length} bytes, the file's header leaves {max(total - _TEXT_START, 0)}."
-        raise _broken("The JSON chunk is longer than the GLB file.", where, 12, known)
-    return JsonChunk(source, binary=True, start=_TEXT_START, end=_TEXT_START + length)
+        raise _truncated("before the length that its header states", len(source), total, where)
+    kind, end = chunk_at(source, HEADER.size, total, where) if total > HEADER.size else (b"", 0)
+    if kind != JSON_CHUNK:
+        raise LevelError(
+            "The first chunk of this GLB is not its JSON.",
+            where=_place(where, HEADER.size),
+            known=f"Its type is {kind!r}." if kind else "It has no chunk at all.",
+            remedy="Export the level again.",
+        )
+    return JsonChunk(source, binary=True, start=HEADER.size + CHUNK.size, end=end, total=total)
 
 
-def _broken(what: str, where: str, byte: int, known: str) -> LevelError:
-    place = f"{where}, byte {byte}" if where else f"byte {byte}"
-    return LevelError(what, where=place, known=known, remedy="Export the level again as glTF 2.0.")
+def chunk_at(source: bytes, offset: int, total: int, where: str = "") -> tuple[bytes, int]:
+    """Type of the chunk at a byte of a GLB, and the first byte after the chunk.
+
+    Raises:
+        LevelError: The chunk goes beyond `total`, the length of the GLB.
+    """
+    start = offset + CHUNK.size
+    if start > total:
+        raise _truncated(f"inside the chunk header at byte {offset}", total, start, where)
+    size, kind = CHUNK.unpack_from(source, offset)
+    if start + size > total:
+        raise _truncated(f"inside the chunk at byte {offset}", total, start + size, where)
+    return kind, start + size
+
+
+def _truncated(inside: str, found: int, needed: int, where: str) -> LevelError:
+    return LevelError(
+        f"This GLB ends {inside}.",
+        where=_place(where, found),
+        known=f"It has {found} bytes and needs {needed}.",
+        remedy="It was cut off: copy or export it again.",
+    )
+
+
+def _place(where: str, byte: int) -> str:
+    return f"{where}, byte {byte}" if where else f"byte {byte}"

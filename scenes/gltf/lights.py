@@ -6,18 +6,19 @@ Source: KHR_lights_punctual (Khronos), which defines kinds, units, defaults and 
 from __future__ import annotations
 
 import math
+import reprlib
 from dataclasses import replace
 
 import numpy as np
 
 from scenes.errors import LevelError
 from scenes.gltf.asset import LIGHTS, Asset, NoteBook
-from scenes.gltf.entry import Entry
+from scenes.gltf.entry import Entry, printable
 from scenes.gltf.nodes import PlacedNode
 from scenes.gltf.transforms import Vector, unit, vector
+from scenes.light_annotation import MOBILITY_KEY
 from scenes.scene import Light, LightKind, Mobility
 
-MOBILITY_KEY = "gnomon_mobility"
 RIGHT_ANGLE = math.pi / 2
 
 # Exporters write 90 degrees as the nearest float32, which lies above pi / 2.
@@ -87,15 +88,22 @@ def _with_cone(light: Light, entry: Entry, notes: NoteBook) -> Light:
     outer = spot.number("outerConeAngle", math.pi / 4)
     inner = spot.number("innerConeAngle", 0.0)
     if not 0.0 < outer <= RIGHT_ANGLE_IN_FLOAT32:
-        raise spot.wrong("outerConeAngle", "a half angle in (0, pi/2] radians")
+        raise _wrong_angle(spot, "outerConeAngle", outer, "(0, pi/2]")
     outer = min(outer, RIGHT_ANGLE)
     # Blender writes inner = outer for a spot whose blend is 0, which the specification just forbids.
     if inner > RIGHT_ANGLE_IN_FLOAT32 or not 0.0 <= min(inner, RIGHT_ANGLE) <= outer:
-        raise spot.wrong("innerConeAngle", f"a half angle in [0, outerConeAngle = {outer}) radians")
+        raise _wrong_angle(spot, "innerConeAngle", inner, f"[0, outerConeAngle = {outer})")
     inner = min(inner, RIGHT_ANGLE)
     if inner == outer:
         notes.info(entry.where, "Its inner cone is as wide as its outer: it ends without a fall-off.")
     return replace(light, inner_cone_rad=inner, outer_cone_rad=outer)
+
+
+def _wrong_angle(spot: Entry, key: str, value: float, interval: str) -> LevelError:
+    error = spot.wrong(key, f"a half angle in {interval} radians")
+    if RIGHT_ANGLE < value <= 90.0:
+        error.remedy = f"Are these degrees? {value:g} degrees are {math.radians(value):.4g} radians."
+    return error
 
 
 def _mobility(node: Entry, light: Entry, notes: NoteBook) -> Mobility:
@@ -107,5 +115,6 @@ def _mobility(node: Entry, light: Entry, notes: NoteBook) -> Mobility:
         if isinstance(hint, str) and hint in set(Mobility):
             return Mobility(hint)
         known = " or ".join(f'"{mobility}"' for mobility in Mobility)
-        notes.warning(entry.where, f"Its extras say {MOBILITY_KEY} is something else than {known}: ignored.")
+        found = printable(reprlib.repr(hint))
+        notes.warning(entry.where, f"{MOBILITY_KEY} in its extras must be {known}; it is {found}: ignored.")
     return Mobility.DYNAMIC

@@ -156,4 +156,5 @@ def _index_of(asset: Asset, wanted: str) -> int:
         f'There is no scene "{wanted}".',
         where="scenes",
         known=f"The file has: {known}." if known else "The file has no scenes.",
+        remedy="Name one of these with --scene." if known else "Leave --scene out.",
     )

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import math
-import struct
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +15,9 @@ import numpy.typing as npt
 
 from scenes.atomic_file import write_atomically
 from scenes.gltf.asset import LIGHTS
-from scenes.gltf.container import (
-    BINARY_CHUNK,
-    CHUNK_HEADER_BYTES,
-    HEADER_BYTES,
-    JSON_CHUNK,
-    MAGIC,
-)
-from scenes.gltf.lights import MOBILITY_KEY
+from scenes.gltf.json_chunk import BINARY_CHUNK, CHUNK, HEADER, JSON_CHUNK, MAGIC
 from scenes.gltf.transforms import IDENTITY, Vector, unit, upright
+from scenes.light_annotation import MOBILITY_KEY
 from scenes.scene import Array, Camera, Light, LightKind, Mesh, Mobility, Scene
 
 Json = dict[str, Any]
@@ -182,6 +175,5 @@ def _packed(document: Json, binary: bytes) -> bytes:
     chunks = [(JSON_CHUNK, text + b" " * (-len(text) % 4))]
     if binary:
         chunks.append((BINARY_CHUNK, binary + b"\0" * (-len(binary) % 4)))
-    length = HEADER_BYTES + sum(CHUNK_HEADER_BYTES + len(content) for _, content in chunks)
-    header = MAGIC + struct.pack("<II", 2, length)
-    return header + b"".join(struct.pack("<II", len(content), kind) + content for kind, content in chunks)
+    packed = b"".join(CHUNK.pack(len(content), kind) + content for kind, content in chunks)
+    return HEADER.pack(MAGIC, 2, HEADER.size + len(packed)) + packed

@@ -7,6 +7,11 @@ import pytest
 from scenes.errors import LevelError
 from scenes.formats.registry import level_formats, load_formats, read_level
 
+# A format module that does nothing, as text.
+NAMED = "NAME = 'USD'\nSUFFIXES = {}\n"
+READS = "def read(path, scene_name=None): ...\n"
+WRITES = "def annotate(source, annotations): ...\ndef clear(source): ...\ndef companions(source, path): ...\n"
+
 
 def test_the_registry_knows_gltf_and_refuses_other_suffixes(tmp_path: Path) -> None:
     assert level_formats()[".glb"] is level_formats()[".gltf"]
@@ -21,7 +26,9 @@ def test_the_registry_knows_gltf_and_refuses_other_suffixes(tmp_path: Path) -> N
     [
         ("import there_is_no_such_module", ModuleNotFoundError),
         ("NAME = 'x'", TypeError),
-        ("NAME = 'x'\nSUFFIXES = ('.a', '.a')\ndef read(path, scene_name=None): ...", TypeError),
+        (NAMED.format("('.usda',)") + READS, TypeError),
+        (NAMED.format("('.usda',)") + WRITES, TypeError),
+        (NAMED.format("('.usda', '.usda')") + READS + WRITES, TypeError),
     ],
 )
 def test_a_broken_format_module_fails_loudly(
@@ -40,8 +47,6 @@ def test_a_new_module_in_the_folder_is_a_format(tmp_path: Path, monkeypatch: pyt
     folder = tmp_path / "formats_of_tomorrow"
     folder.mkdir()
     (folder / "__init__.py").write_text("")
-    (folder / "usd.py").write_text(
-        "NAME = 'USD'\nSUFFIXES = ('.usda',)\ndef read(path, scene_name=None): ..."
-    )
+    (folder / "usd.py").write_text(NAMED.format("('.usda',)") + READS + WRITES)
     monkeypatch.syspath_prepend(tmp_path)
     assert [found.NAME for found in load_formats([str(folder)], folder.name).values()] == ["USD"]

@@ -12,14 +12,21 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from scenes.errors import LevelError
-from scenes.gltf.annotation import EXTENSION, LightAnnotation, annotate, clear, is_annotated
+from scenes.gltf.annotation import annotate, clear, is_annotated
+from scenes.gltf.annotation_record import EXTENSION
+from scenes.light_annotation import OWN_KEYS, LightAnnotation
 from tests.scenes.gltf_texts import glb, gltf_files
 
 LEVELS = Path(__file__).parents[2] / "../shared/levels"
 LEVEL_FILES = sorted([*LEVELS.rglob("*.glb"), *LEVELS.rglob("*.gltf")])
 
 ADVICE = LightAnnotation(
-    {"gnomon_technique": "SM", "gnomon_map_size": 1024, "gnomon_shadow_ms": 0.1 + 0.2, "gnomon_static": True},
+    {
+        "gnomon_technique": "SM",
+        "gnomon_map_size": 1024,
+        "gnomon_shadow_ms": 0.1 + 0.2,
+        "gnomon_source": "measured",
+    },
     {"technique": "SM", "reason": 'é "quoted" \n', "alternatives": [{"technique": "SV", "shadow_ms": 1e-05}]},
 )
 OTHER = LightAnnotation({"gnomon_technique": "SV"}, {"technique": "SV"})
@@ -50,11 +57,35 @@ def without_ours(annotated: Any, original: Any) -> Any:
             if container in node and container not in before:
                 assert node.pop(container) == {}
                 assert container in ours["original"]["absent"]
-    if EXTENSION not in original.get("extensionsUsed", []):
-        left["extensionsUsed"].remove(EXTENSION)
+    left["extensionsUsed"].remove(EXTENSION)
     if "extensionsUsed" not in original:
         assert left.pop("extensionsUsed") == []
     return left
+
+
+def without_strays(document: Any) -> Any:
+    """The JSON of a file without annotation less the keys and the declaration that are ours."""
+    left = copy.deepcopy(document)
+    for node in left["nodes"]:
+        extras = node.get("extras")
+        if isinstance(extras, dict) and OWN_KEYS & extras.keys():
+            node["extras"] = {key: value for key, value in extras.items() if key not in OWN_KEYS}
+            if not node["extras"]:
+                del node["extras"]
+    if EXTENSION in left.get("extensionsUsed", []):
+        left["extensionsUsed"].remove(EXTENSION)
+        if not left["extensionsUsed"]:
+            del left["extensionsUsed"]
+    return left
+
+
+def without_extensions(annotated: bytes) -> bytes:
+    """What a program writes that keeps `extras` and drops extensions that it does not know."""
+    document = json_of(annotated)
+    for node in document["nodes"]:
+        node.get("extensions", {}).pop(EXTENSION, None)
+    document["extensionsUsed"].remove(EXTENSION)
+    return json.dumps(document).encode()
 
 
 @st.composite
@@ -70,19 +101,23 @@ def test_any_file_is_annotated_and_restored_byte_for_byte(
     case: tuple[bytes, dict[int, LightAnnotation]],
 ) -> None:
     source, advice = case
+    bare = clear(source)
+    assert json_of(bare.data) == without_strays(json_of(source))
+    assert (bare.data == source) == bare.restored == (json_of(bare.data) == json_of(source))
+
     annotated = annotate(source, advice)
     assert is_annotated(annotated)
     assert not is_annotated(source)
-    assert without_ours(json_of(annotated), json_of(source)) == json_of(source)
+    assert without_ours(json_of(annotated), json_of(bare.data)) == json_of(bare.data)
 
     cleared = clear(annotated)
-    assert cleared.data == source
-    assert cleared.restored
+    assert cleared.data == bare.data
+    assert cleared.restored == (bare.data == source)
 
     assert annotate(source, advice) == annotated
     assert annotate(annotated, advice) == annotated
     assert annotate(annotate(source, {0: OTHER}), advice) == annotated
-    assert annotate(annotated, {}) == source
+    assert annotate(annotated, {}) == bare.data
 
     for index, one in advice.items():
         node = json_of(annotated)["nodes"][index]
@@ -101,7 +136,7 @@ def test_after_another_tool_has_rewritten_it_our_keys_are_removed(
     source, advice = case
     rewritten = json.dumps(json_of(annotate(source, advice)), sort_keys=True, indent=3).encode()
     cleared = clear(rewritten)
-    assert json_of(cleared.data) == json_of(source)
+    assert json_of(cleared.data) == without_strays(json_of(source))
     assert not is_annotated(cleared.data)
     if not cleared.restored:
         assert "another program" in cleared.note
@@ -154,15 +189,58 @@ def test_the_annotation_looks_as_documented() -> None:
     }
 
 
-def test_the_authors_keys_are_left_alone_and_ours_stand_in_the_extension() -> None:
-    source = light('"extras":{"gnomon_mobility":"static","gnomon_technique":"mine"},')
+def test_the_authors_keys_are_left_alone() -> None:
+    source = light('"extras":{"gnomon_mobility":"static","gnomon_note":"mine","technique":"PCF"},')
     annotated = annotate(source, {1: ADVICE})
-    node = json_of(annotated)["nodes"][1]
-    expected = {**ADVICE.extras, "gnomon_mobility": "static", "gnomon_technique": "mine"}
-    assert node["extras"] == expected
-    assert node["extensions"][EXTENSION]["withheldExtras"] == {"gnomon_technique": "SM"}
-    rewritten = json.dumps(json_of(annotated)).encode()
-    assert json_of(clear(rewritten).data) == json_of(source)
+    authors = {"gnomon_mobility": "static", "gnomon_note": "mine", "technique": "PCF"}
+    assert json_of(annotated)["nodes"][1]["extras"] == {**authors, **ADVICE.extras}
+    assert clear(annotated).data == source
+    assert json_of(clear(without_extensions(annotated)).data) == json_of(source)
+
+
+@pytest.mark.parametrize("extras", ["", '"extras":{"gnomon_mobility":"static"},'])
+def test_keys_of_ours_that_another_program_kept_are_replaced(extras: str) -> None:
+    source = light(extras)
+    kept = without_extensions(annotate(source, {1: ADVICE}))
+    assert json_of(kept)["nodes"][1]["extras"].items() >= ADVICE.extras.items()
+
+    annotated = annotate(kept, {1: OTHER})
+    assert annotated.count(b"gnomon_technique") == 2  # in the extras and in the record
+    assert b"gnomon_map_size" not in annotated
+    assert json_of(annotated)["nodes"][1]["extras"].items() >= OTHER.extras.items()
+    fresh = annotate(clear(kept).data, {1: OTHER})
+    assert annotated.replace(b'"hadStrays": true, ', b"", 1) == fresh
+
+    for left in (kept, annotated, annotate(annotated, {0: ADVICE})):
+        cleared = clear(left)
+        assert json_of(cleared.data) == json_of(source)
+        assert not cleared.restored
+        assert "another program" in cleared.note
+        assert "cannot be restored" in cleared.note
+
+
+def test_keys_of_ours_go_from_nodes_without_advice_too() -> None:
+    kept = without_extensions(annotate(light(), {0: ADVICE, 1: ADVICE}))
+    assert "extras" not in json_of(annotate(kept, {1: OTHER}))["nodes"][0]
+
+
+def test_a_declaration_without_any_annotation_goes() -> None:
+    for others in ([], ["KHR_lights_punctual"]):
+        used = json.dumps([*others, EXTENSION])
+        cleared = clear(light(used=f'"extensionsUsed":{used},'))
+        assert json_of(cleared.data).get("extensionsUsed", []) == others
+        assert ("extensionsUsed" in json_of(cleared.data)) == bool(others)
+        assert not cleared.restored
+
+
+def test_a_key_of_ours_added_to_an_annotated_node_is_no_loss() -> None:
+    source = light()
+    edited = annotate(source, {1: OTHER}).replace(
+        b'{"gnomon_technique":"SV"}', b'{"gnomon_technique":"SV","gnomon_filter":"2x2"}'
+    )
+    assert b"2x2" in edited
+    cleared = clear(edited)
+    assert (cleared.data, cleared.restored) == (source, True)
 
 
 @pytest.mark.parametrize("extras", ["5", "null", '"text"', "[1, 2]", "true"])
@@ -176,7 +254,8 @@ def test_extras_that_are_no_object_are_left_alone(extras: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "used", ["", '"extensionsUsed":[],', '"extensionsUsed":[ \n ],', f'"extensionsUsed":["{EXTENSION}"],']
+    "used",
+    ["", '"extensionsUsed":[],', '"extensionsUsed":[ \n ],', '"extensionsUsed":["KHR_lights_punctual"],'],
 )
 def test_the_extension_is_declared_once_and_never_required(used: str) -> None:
     source = light(used=used)
@@ -207,18 +286,19 @@ def test_lines_and_indentation_follow_the_file() -> None:
         "}",
     ]
     annotated = annotate(
-        "\r\n".join(lines).encode(), {0: LightAnnotation({"gnomon_a": 1, "gnomon_b": 2}, {})}
+        "\r\n".join(lines).encode(),
+        {0: LightAnnotation({"gnomon_technique": "SM", "gnomon_map_size": 2}, {})},
     )
     written = annotated.decode().split("\r\n")
     assert '\t\t\t"extras": {' in written
-    assert '\t\t\t\t"gnomon_b": 2' in written
+    assert '\t\t\t\t"gnomon_map_size": 2' in written
     assert f'\t\t\t\t"{EXTENSION}": {{' in written
     assert f'\t\t"{EXTENSION}"' in written
     assert "\n" not in "".join(written)
 
 
 def test_a_file_without_annotation_is_returned_as_it_is() -> None:
-    source = light('"extras":{"gnomon_mobility":"static"},', used=f'"extensionsUsed":["{EXTENSION}"],')
+    source = light('"extras":{"gnomon_mobility":"static"},')
     cleared = clear(source)
     assert (cleared.data, cleared.restored) == (source, True)
     assert "nothing to clear" in cleared.note
@@ -243,7 +323,7 @@ def test_an_edit_elsewhere_is_kept_but_not_called_a_restoration() -> None:
         "null",
         "{}",
         '{"original":7}',
-        '{"original":{"sha256":1,"jsonLength":"x","extras":[5,"name","gnomon_x"],"absent":{}}}',
+        '{"original":{"sha256":1,"jsonLength":"x","extras":[5,"name","gnomon_mobility","gnomon_x"],"absent":{}}}',
         '{"original":{"jsonLength":-5,"extras":"gnomon_x","declared":"yes"}}',
         '{"original":' + "[" * 100_000 + "]" * 100_000 + "}",
         '{"original":{"jsonLength":' + "9" * 5000 + "}}",
@@ -252,13 +332,13 @@ def test_an_edit_elsewhere_is_kept_but_not_called_a_restoration() -> None:
 @pytest.mark.parametrize("binary", [False, True])
 def test_a_forged_or_broken_record_costs_only_the_restoration(extension: str, binary: bool) -> None:  # noqa: FBT001
     text = (
-        f'{{"nodes":[{{"extras":{{"name":1,"gnomon_x":2}},"extensions":{{"{EXTENSION}":{extension},"A":{{}}}}}}]}}'
+        f'{{"nodes":[{{"extras":{{"name":1,"gnomon_mobility":3,"gnomon_x":2}},"extensions":{{"{EXTENSION}":{extension},"A":{{}}}}}}]}}'
     ).encode()
     cleared = clear(glb(text) if binary else text)
     assert not cleared.restored
     node = json_of(cleared.data)["nodes"][0]
     assert node["extensions"] == {"A": {}}
-    assert node["extras"]["name"] == 1
+    assert node["extras"].items() >= {"name": 1, "gnomon_mobility": 3}.items()
     assert ("gnomon_x" in node["extras"]) == ("[5," not in extension)
 
 
@@ -301,10 +381,10 @@ GOOD_GLB = glb(light() + b" ", (b"BIN\0", b"1234"))
     ("source", "byte"),
     [
         (GOOD_GLB[:15], 15),
-        (GOOD_GLB[:-1], 8),
+        (GOOD_GLB[:-1], len(GOOD_GLB) - 1),
         (changed(GOOD_GLB, 4, b"\1"), 4),
-        (changed(GOOD_GLB, 12, b"\xff\xff\xff\xff"), 12),
-        (changed(GOOD_GLB, 16, b"BIN\0"), 16),
+        (changed(GOOD_GLB, 12, b"\xff\xff\xff\xff"), len(GOOD_GLB)),
+        (changed(GOOD_GLB, 16, b"BIN\0"), 12),
         (changed(GOOD_GLB, 8, b"\0\0\0\0"), 12),
         (changed(GOOD_GLB, 20, b"]"), 20),
         (glb(b'{"a":1,}'), 27),
@@ -329,17 +409,22 @@ def test_a_broken_file_is_refused_with_its_byte(source: bytes, byte: int, do: An
     [
         ({"gnomon_shadow_ms": float("nan")}, {}),
         ({"gnomon_shadow_ms": float("inf")}, {}),
-        ({"gnomon_list": [1]}, {}),
-        ({"gnomon_none": None}, {}),
+        ({"gnomon_filter": [1]}, {}),
+        ({"gnomon_filter": None}, {}),
         ({"technique": "SM"}, {}),
+        ({"gnomon_mobility": "static"}, {}),
         ({}, {"deep": [{"value": float("-inf")}]}),
-        ({}, {"original": 1}),
-        ({}, {"withheldExtras": 1}),
     ],
 )
 def test_what_must_not_be_written_is_refused(extras: Any, extension: Any) -> None:
     with pytest.raises(ValueError, match=r"extras|extension|JSON"):
         LightAnnotation(extras, extension)
+
+
+@pytest.mark.parametrize("key", ["original", "withheldExtras"])
+def test_keys_that_the_annotation_itself_writes_are_refused(key: str) -> None:
+    with pytest.raises(ValueError, match=key):
+        annotate(light(), {1: LightAnnotation({}, {key: 1})})
 
 
 def test_many_nodes_in_a_large_file_are_restored() -> None:

@@ -31,11 +31,12 @@ from tests.scenes.gltf_samples import (
 
 
 def refusal(folder: Path, source: Json | bytes, name: str | None = None) -> str:
-    """What the user is told; it names the file and ends as a sentence."""
+    """What the user is told; it names the file, says what to do and ends as a sentence."""
     with pytest.raises(LevelError) as error:
         read(folder, source, name)
     text = str(error.value)
     assert text.startswith(str(folder))
+    assert error.value.remedy
     assert text.endswith(".")
     assert error.value.exit_code == 3
     return text
@@ -110,7 +111,8 @@ def test_files_that_are_no_glb(tmp_path: Path, content: bytes, said: str) -> Non
     ("content", "said"),
     [
         (b'{\n  "asset": 1,,\n}', "JSON line 2, column 14"),
-        (b"not json", "JSON line 1, column 1"),
+        (b"not json", "JSON line 1, column 1: The JSON is not valid. Expecting value: found 'not json'."),
+        (b'{"a": 1', "the text ends there"),
         (b'"glTF"', "must be an object"),
         (b"[" * 200_000, "nested too deep"),
         (b'{"a":' * 200_000, "nested too deep"),
@@ -249,6 +251,7 @@ def test_scenes_list_roots_once(tmp_path: Path) -> None:
         ("buffers.0.uri", "data:;base64,*", "not valid base64"),
         ("buffers.0.uri", "data:nothing", "no comma"),
         ("buffers.0.uri", "missing.bin", "buffer 0: The buffer file missing.bin cannot be used"),
+        ("buffers.0.uri", "parts\\mesh.bin", "Write / instead of"),
         ("buffers.0.uri", ".", "This is a folder"),
         ("buffers.0.uri", "a%00b.bin", "cannot be read"),
         ("buffers.0.uri", "https://example.com/mesh.bin", "is absolute"),
@@ -307,7 +310,7 @@ def test_positions_that_are_not_finite(tmp_path: Path, bad: float) -> None:
     corners = CORNERS.copy()
     corners[2, 1] = bad
     said = refusal(tmp_path, tetrahedron() | document(corners, TETRAHEDRON.ravel()))
-    assert "accessor 0: The position of vertex 2 is not finite" in said
+    assert "node 0, mesh 0, accessor 0: The position of vertex 2 is not finite" in said
 
 
 @pytest.mark.parametrize(("dtype", "index"), [("<u1", 4), ("<u1", 255), ("<u4", 2**32 - 1), ("<u4", 2**31)])
@@ -352,7 +355,8 @@ def test_a_buffer_file_that_is_an_lfs_pointer(tmp_path: Path) -> None:
         ({"type": "spot", "spot": {"outerConeAngle": 0}}, "a half angle in (0, pi/2] radians. It is 0."),
         ({"type": "spot", "spot": {"outerConeAngle": -0.5}}, "a half angle in (0, pi/2] radians"),
         ({"type": "spot", "spot": {"outerConeAngle": 1.5708}}, "a half angle in (0, pi/2] radians"),
-        ({"type": "spot", "spot": {"outerConeAngle": 90}}, "a half angle in (0, pi/2] radians"),
+        ({"type": "spot", "spot": {"outerConeAngle": 90}}, "90 degrees are 1.571 radians"),
+        ({"type": "spot", "spot": {"innerConeAngle": 45}}, "45 degrees are 0.7854 radians"),
         ({"type": "spot", "spot": {"innerConeAngle": -0.1}}, '"innerConeAngle" must be a half angle in [0,'),
         ({"type": "spot", "spot": {"innerConeAngle": 0.8}}, "outerConeAngle = 0.785398"),
         ({"type": "spot", "spot": {"innerConeAngle": 2, "outerConeAngle": math.pi / 2}}, "innerConeAngle"),

@@ -91,7 +91,7 @@ def test_mobility_comes_from_node_extras_before_light_extras(tmp_path: Path) -> 
         Mobility.DYNAMIC,
         Mobility.DYNAMIC,
     ]
-    assert 'warning node 4 "Typo": Its extras say gnomon_mobility' in notes_of(level)
+    assert 'warning node 4 "Typo": gnomon_mobility in its extras must be' in notes_of(level)
 
 
 def test_cameras_are_orthonormal_under_scale_and_shear(tmp_path: Path) -> None:

@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 
-from scenes.gltf.annotation import EXTENSION, LightAnnotation, annotate
+from scenes.gltf.annotation import annotate
+from scenes.gltf.annotation_record import EXTENSION
+from scenes.light_annotation import LightAnnotation
 from tests.scenes.gltf_texts import glb
 
 VALIDATOR = Path(__file__).parents[1] / "validator"

@@ -66,7 +66,7 @@ def ndc(fit: MapFit, light: Light, points: Array) -> tuple[Array, Array]:
 
 @settings(deadline=None)
 @given(KINDS, SIDES, SCALES, SEEDS, st.booleans())
-def test_a_map_covers_every_receiver_with_a_guard_texel_to_spare(
+def test_a_map_covers_every_receiver_with_guard_texels_to_spare(
     kind: LightKind, side: int, scale: float, seed: int, focused: bool
 ) -> None:
     random = np.random.default_rng(seed)
@@ -116,7 +116,7 @@ def test_a_sun_from_above_fits_the_floor_to_its_map() -> None:
     corners = np.array([[x, 0.5, z, 1] for x in (-4, 4) for z in (-2, 2)])
     place = np.abs(corners @ fit.faces[0].T)[:, :2]
     # The box is padded by a thousandth of its length, 8 m, on every side.
-    assert np.allclose(place.max(axis=0).max(), (1 - 2 / 128) * 4 / 4.008, rtol=tolerances.PROJECTION * 10)
+    assert np.allclose(place.max(axis=0).max(), (1 - 2 * GUARD_TEXELS / 128) * 4 / 4.008, rtol=tolerances.PROJECTION * 10)
 
 
 def test_a_spot_alone_fits_its_cone_to_its_map() -> None:
@@ -124,7 +124,7 @@ def test_a_spot_alone_fits_its_cone_to_its_map() -> None:
     fit = fit_map(spot, reach(spot, ORIGIN), np.array([[-50.0, 0, -50], [50, 0, 50]]), 256)
     rim = 5 * np.tan(0.6)
     q = fit.faces[0] @ [rim, 0, 0, 1]
-    assert np.allclose(np.abs(q[:2]).max() / q[3], 1 - 2 / 256, rtol=tolerances.PROJECTION * 10)
+    assert np.allclose(np.abs(q[:2]).max() / q[3], 1 - 2 * GUARD_TEXELS / 256, rtol=tolerances.PROJECTION * 10)
 
 
 @pytest.mark.parametrize(

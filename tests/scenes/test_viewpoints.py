@@ -115,13 +115,13 @@ def check(scene: Scene, light: Light, cameras: tuple[Camera, ...]) -> None:
         if light.kind is LightKind.SPOT:
             along = ray @ np.array(light.direction) / np.linalg.norm(ray, axis=1)
             assert (along > np.cos(light.outer_cone_rad)).all()
-    middle = scene.bounds.mean(axis=0)
     for camera, distance in zip(cameras, distances, strict=True):
         forward, up = np.array(camera.forward), np.array(camera.up)
         assert np.abs([forward @ forward - 1, up @ up - 1, forward @ up]).max() < tolerances.UNIT
         assert up[1] >= 0
         assert 0 < camera.near_m <= 0.0101 * distance
-        assert np.linalg.norm(np.array(camera.position) - middle) <= 1.5 * caster.extent
+        beyond = np.maximum(scene.bounds[0] - camera.position, camera.position - scene.bounds[1])
+        assert beyond.max() <= 0.1 * caster.extent
     assert viewpoints(scene, light) == cameras
 
 
@@ -165,7 +165,8 @@ def test_among_boxes_every_eye_is_outside_them_and_sees_light(
     check(scene, light, cameras)
     for camera in cameras:
         assert not inside_any(solid, camera.position), camera.name
-        assert camera.position[1] > 0
+        x, y, z = camera.position
+        assert y > 0 or max(abs(x), abs(z)) > 100
 
 
 @settings(max_examples=40, deadline=None)
