@@ -32,9 +32,14 @@ Receiver visible_receiver() {
     return receiver;
 }
 
+// Cosine of incidence below which a surface counts as turned away: a light in the very plane of a wall lights it
+// or not by the last bit of its position, and lights it with nothing.
+const float GRAZING = 1e-4;
+
 // Where a technique has to answer: a surface that faces the light, within its range and cone. Elsewhere the
 // mask is 0, for every technique alike.
 bool answers(Receiver receiver) {
     vec3 to_light = towards_light(receiver.position);
-    return dot(receiver.normal, to_light) > 0.0 && in_reach(to_light);
+    float height = max(dot(receiver.normal, to_light), 0.0);
+    return height * height > GRAZING * GRAZING * dot(to_light, to_light) && in_reach(to_light);
 }

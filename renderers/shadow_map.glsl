@@ -9,6 +9,7 @@ layout(std140, binding = 2) uniform MapBlock {
 layout(binding = 2) uniform sampler2DShadow map;
 layout(location = 0) out float lit;
 
+// Twice the least that leaves no plane facing the light in its own shadow, seen from 0.2 to 300 scene sizes.
 const float FLOAT32_STEPS = 4.8e-7;
 
 // Side of a map texel at the place that projects to `q`, the longer of the two, in scene units: texels over
