@@ -51,7 +51,7 @@ test-slow: setup validator
 	$(PYTEST) -m slow --timeout 3600 $(TESTS)
 
 fuzz: setup
-	GNOMON_FUZZ_EXAMPLES=25000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/scenes/test_gltf_fuzz.py
+	GNOMON_FUZZ_EXAMPLES=20000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/scenes/test_gltf_fuzz.py
 
 bench: setup
 	$(BIN)/python tests/bench/frames.py

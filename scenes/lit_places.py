@@ -16,6 +16,7 @@ _SQUARELY = 0.2  # cosine; a surface that is struck flatter than 78 degrees show
 _FIXTURE = 0.1  # of the median distance to what the light strikes: nearer than this is its own lamp
 _WALL_DETOUR = 0.2  # of the extent: within this much of its middle, a floor suits the sun better than a wall
 _PATCH = 0.003, 0.1  # of the extent, and of the pool of light: so much of the surface around is lit too
+_RINGS = np.array([1.0, 1 / 8, 1 / 64])  # of the patch's radius: where it is probed
 _GOLDEN_ANGLE = float(np.pi * (3 - np.sqrt(5)))
 
 
@@ -159,16 +160,20 @@ def _pool_radius(light: Light, distance: Array, extent: float) -> Array:
 
 
 def _in_lit_patch(caster: RayCaster, origins: Array, points: Array, normals: Array, pools: Array) -> Bools:
-    """(n,) bool: whether rays that go slightly beside the point strike the same plane around it."""
-    reach = np.minimum(_PATCH[0] * caster.extent, _PATCH[1] * pools)[:, None]
-    axes = np.stack(_plane_axes(normals), axis=1)
-    around = points[:, None] + reach[..., None] * np.concatenate([axes, -axes], axis=1)
-    ray = around - origins[:, None]
-    wanted = np.linalg.norm(ray, axis=2)
-    start = np.broadcast_to(origins[:, None], around.shape)
+    """(n,) bool: whether rays that go beside the point, by little and by less, strike the same plane."""
+    radius = np.minimum(_PATCH[0] * caster.extent, _PATCH[1] * pools)
+    angle = 0.7 + np.arange(5) * (2 * np.pi / 5)  # along no edge that follows the axes
+    first, second = _plane_axes(normals)
+    star = np.cos(angle)[:, None] * first[:, None] + np.sin(angle)[:, None] * second[:, None]
+    rings = radius[:, None] * _RINGS
+    around = points[:, None, None] + rings[:, :, None, None] * star[:, None]
+    start = np.broadcast_to(origins[:, None, None], around.shape)
+    ray = around - start
+    wanted = np.linalg.norm(ray, axis=-1)
     mount = OFFSET_PER_EXTENT * caster.extent
     start = start + mount * ray / wanted[..., None]
     distance, _ = caster.hits(start.reshape(-1, 3), ray.reshape(-1, 3))
     error = np.abs(distance.reshape(wanted.shape) + mount - wanted)
-    same: Bools = (error < 0.1 * reach).all(axis=1)
+    # Float32 is good for a third of the mount.
+    same: Bools = (error < np.maximum(0.1 * rings, mount)[..., None]).all(axis=(1, 2))
     return same

@@ -14,7 +14,7 @@ from scenes.convex import box_planes, corners
 from scenes.frusta import Reach, light_axes
 from scenes.scene import Array, Light, LightKind
 
-# A normal offset of half a texel moves a place on a cube's edge by up to 0.71 texels, and 2x2 reads half a texel on.
+# The normal offset moves a place on a cube's edge by up to 0.71 texels, and 2x2 reads half a texel further.
 GUARD_TEXELS = 2
 DEPTH_MARGIN = 0.02
 # 24 bits leave at the far plane steps of 2^-24 / NEAREST of the far distance: below a texel of 8192.

@@ -19,6 +19,8 @@ _PULLED_IN = 0.9  # of the free path to the first wall behind the eye
 _FREE_ENOUGH = 0.6  # of the wanted distance, before another side is tried
 _TURNS = np.radians([0, 20, -20, 40, -40, 65, -65])
 _SURROUNDINGS = 0.1  # of the extent: so far outside the scene's bounds an eye may be
+_HEMMED_IN = 0.05  # of the wanted distance: a place that can only be seen from so near is a last resort
+_SEEN = 1e-3  # of the distance: what the eye strikes may be so far from the place, for the grid of both
 _LIFT = 1e-5  # of the extent: above the surface, where the free path begins
 
 
@@ -46,7 +48,8 @@ def viewpoints(scene: Scene, light: Light, caster: RayCaster | None = None) -> t
     The eye is at the height of a man, 1.7 m, or between 1 % and 10 % of the scene's diagonal where that is
     much larger or smaller, and at least 15 degrees above the lit surface. It is on the lit side, with a free
     line to the place that it looks at, never farther than 90 % of the way to the first wall behind it, or
-    to where the scene is left behind by a tenth of its diagonal; where that leaves less than 60 % of the wanted distance, up to 65 degrees aside are tried.
+    to where the scene's bounds are left by a tenth of its diagonal; where that leaves less than 60 % of the
+    wanted distance, up to 65 degrees aside are tried.
 
     Args:
         scene: Its cameras do not count.
@@ -62,17 +65,18 @@ def viewpoints(scene: Scene, light: Light, caster: RayCaster | None = None) -> t
         return ()
     eye_height = min(max(EYE_HEIGHT_M, 0.01 * extent), 0.1 * extent)
     wishes = [_wishes(scene, light, place, extent, eye_height) for place in places]
-    paths = _free_paths(scene, caster, places, wishes)
-    openness = [
-        min(float(_reach(wish, free).max()) / wish.distance for wish, free in zip(*pair, strict=True))
-        for pair in zip(wishes, paths, strict=True)
-    ]
-    suits = [place.cost - min(room, _FREE_ENOUGH) for place, room in zip(places, openness, strict=True)]
-    chosen = int(np.argmin(suits))
-    return tuple(
-        _camera(wish, free, places[chosen], extent, 0.06 * eye_height)
-        for wish, free in zip(wishes[chosen], paths[chosen], strict=True)
-    )
+    eyes, targets, reach = _eyes(scene, caster, places, wishes)
+    wanted = np.array([[wish.distance for wish in rules] for rules in wishes])
+    openness = (reach.max(axis=-1) / wanted).min(axis=-1)
+    costs = np.array([place.cost for place in places])
+    hemmed_in = 2.0 * (openness < _HEMMED_IN)
+    chosen = int(np.argmin(costs + hemmed_in - np.minimum(openness, _FREE_ENOUGH)))
+    cameras = []
+    for rule, wish in enumerate(wishes[chosen]):
+        best = _best(wish, reach[chosen, rule])
+        eye, target = eyes[chosen, rule, best], targets[chosen, rule, best]
+        cameras.append(_camera(wish.name, eye, target, 0.06 * eye_height))
+    return tuple(cameras)
 
 
 def _wishes(scene: Scene, light: Light, place: LitPlace, extent: float, eye_height: float) -> list[_Wish]:
@@ -118,39 +122,57 @@ def _turned(level: Array, normal: Array, rise: float) -> Array:
     return turned * cos(rise) + normal * sin(rise)
 
 
-def _free_paths(scene: Scene, caster: RayCaster, places: list[LitPlace], wishes: list[list[_Wish]]) -> Array:
-    """(places, rules, directions) float64: metres to the first surface, or out of the scene's surroundings."""
+def _eyes(
+    scene: Scene, caster: RayCaster, places: list[LitPlace], wishes: list[list[_Wish]]
+) -> tuple[Array, Array, Array]:
+    """Where eyes may be, at what they look, both (places, rules, directions, 3), and from how far.
+
+    The distance is 0 where the place cannot be seen from there after all.
+    """
     directions = np.array([[wish.directions for wish in rules] for rules in wishes])
-    starts = np.array([place.point + _LIFT * caster.extent * place.normal for place in places])
-    origins = np.broadcast_to(starts[:, None, None], directions.shape)
-    free, _ = caster.hits(origins.reshape(-1, 3), directions.reshape(-1, 3))
+    wanted = np.array([[wish.distance for wish in rules] for rules in wishes])[..., None]
+    points = np.array([place.point for place in places])[:, None, None]
+    normals = np.array([place.normal for place in places])[:, None, None]
+    starts = np.broadcast_to(points + _LIFT * caster.extent * normals, directions.shape)
+    free = _free_paths(scene, caster, starts, directions)
+    reach = np.minimum(wanted, _PULLED_IN * free)
+    # On a grid of 2^-14 of the distance, where the last bits of cosines do not matter.
+    grid = 2.0 ** (np.floor(np.log2(np.maximum(reach, _LIFT * caster.extent))) - 14)[..., None]
+    eyes = np.round((starts + reach[..., None] * directions) / grid) * grid
+    targets = np.round(points / grid) * grid
+    sights = targets - eyes
+    lengths = np.linalg.norm(sights, axis=-1)
+    there = lengths > 0
+    sights[~there] = -directions[~there]
+    struck, _ = caster.hits(eyes.reshape(-1, 3), sights.reshape(-1, 3))
+    seen = there & (np.abs(struck.reshape(lengths.shape) - lengths) <= _SEEN * lengths)
+    return eyes, targets, np.where(seen, reach, 0.0)
+
+
+def _free_paths(scene: Scene, caster: RayCaster, starts: Array, directions: Array) -> Array:
+    """Metres from each start to the first surface, or to where the scene's surroundings end."""
+    free, _ = caster.hits(starts.reshape(-1, 3), directions.reshape(-1, 3))
     margin = _SURROUNDINGS * caster.extent
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         leaving = np.maximum(
-            (scene.bounds[0] - margin - origins) / directions,
-            (scene.bounds[1] + margin - origins) / directions,
+            (scene.bounds[0] - margin - starts) / directions,
+            (scene.bounds[1] + margin - starts) / directions,
         ).min(axis=-1)
-    return np.minimum(free.reshape(leaving.shape), leaving)
+    paths: Array = np.minimum(free.reshape(leaving.shape), leaving)
+    return paths
 
 
-def _reach(wish: _Wish, free: Array) -> Array:
-    return np.minimum(wish.distance, _PULLED_IN * free)
-
-
-def _camera(wish: _Wish, free: Array, place: LitPlace, extent: float, near_limit: float) -> Camera:
-    reach = _reach(wish, free)
+def _best(wish: _Wish, reach: Array) -> int:
     enough = reach >= _FREE_ENOUGH * wish.distance
-    best = int(np.argmax(enough) if enough.any() else np.argmax(reach))
-    eye = place.point + _LIFT * extent * place.normal + reach[best] * wish.directions[best]
-    # On a grid of 2^-14 of the wanted distance, so that the last bits of cosines do not matter; the rest is
-    # exact.
-    grid = 2.0 ** (np.floor(np.log2(wish.distance)) - 14)
-    eye, target = np.round(eye / grid) * grid, np.round(place.point / grid) * grid
+    return int(np.argmax(enough) if enough.any() else np.argmax(reach))
+
+
+def _camera(name: str, eye: Array, target: Array, near_limit: float) -> Camera:
     x, y, z = (float(component) for component in target - eye)
     distance = sqrt(x * x + y * y + z * z)
     forward = (x / distance, y / distance, z / distance)
     return Camera(
-        wish.name,
+        name,
         position=(float(eye[0]), float(eye[1]), float(eye[2])),
         forward=forward,
         up=_upright(forward),

@@ -30,7 +30,9 @@ def box(
 
 def floor(half: float = 10.0, height: float = 0.0, cells: int = 1, *, casts: bool = True) -> Mesh:
     """A square that faces up."""
-    return sheet(lambda u, v: np.stack([u * half, np.full_like(u, height), -v * half], axis=-1), cells, casts=casts)
+    return sheet(
+        lambda u, v: np.stack([u * half, np.full_like(u, height), -v * half], axis=-1), cells, casts=casts
+    )
 
 
 def sheet(shape: object, cells: int, *, casts: bool = True, name: str = "sheet") -> Mesh:
@@ -121,7 +123,5 @@ def placed(
 
 def world_triangles(scene: Scene) -> Array:
     """(t, 3, 3) float64 corners of all casting triangles, world."""
-    parts = [
-        world[mesh.triangles] for mesh in scene.meshes if mesh.casts for world in mesh.world_positions()
-    ]
+    parts = [world[mesh.triangles] for mesh in scene.meshes if mesh.casts for world in mesh.world_positions()]
     return np.concatenate(parts) if parts else np.zeros((0, 3, 3))

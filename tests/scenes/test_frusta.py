@@ -125,7 +125,7 @@ def test_reach_culls_boxes_behind_beside_and_beyond() -> None:
 def test_a_right_angle_spot_reaches_the_half_space_ahead() -> None:
     body = reach(spot(np.zeros(3), np.array([0.0, -1, 0]), np.pi / 2), np.zeros(3))
     low = np.array([[-100.0, -0.2, 0], [-100, 0.1, 0]])
-    assert body.touches(low, low + [1, 0.1, 1]).tolist() == [True, False]
+    assert body.touches(low, low + np.array([1, 0.1, 1])).tolist() == [True, False]
 
 
 @pytest.mark.parametrize("kind", list(LightKind))

@@ -175,21 +175,21 @@ def test_among_boxes_every_eye_is_outside_them_and_sees_light(
     at=st.tuples(st.floats(0.05, 0.95), st.floats(0.05, 0.95), st.floats(0.05, 0.95)),
     direction=st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-1, 1)),
     scale=st.sampled_from([1e-3, 1.0, 1e3]),
-    is_spot=st.booleans(),
+    kind=st.sampled_from([LightKind.SPOT, LightKind.POINT]),
 )
 def test_in_a_closed_room_every_eye_stays_inside(
     size: tuple[float, float, float],
     at: tuple[float, float, float],
     direction: tuple[float, float, float],
     scale: float,
-    is_spot: bool,  # noqa: FBT001
+    kind: LightKind,
 ) -> None:
     if np.linalg.norm(direction) < 0.1:
         return
     walls = scale * np.array(size)
     x, y, z = (float(value) for value in walls * at)
     scene = Scene("room", (box([0, 0, 0], walls),))
-    light = spot((x, y, z), direction) if is_spot else lamp((x, y, z))
+    light = replace(spot((x, y, z), direction), kind=kind)
     cameras = viewpoints(scene, light)
     check(scene, light, cameras)
     for camera in cameras:
