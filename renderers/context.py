@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Protocol, Self, TypeVar
@@ -19,7 +19,7 @@ from typing import Any, Protocol, Self, TypeVar
 os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 
 import moderngl
-from OpenGL import GL
+from OpenGL import EGL, GL
 from OpenGL.error import GLError
 
 from scenes.errors import DeviceError
@@ -160,13 +160,26 @@ class OutOfVideoMemoryError(GlError):
 def devices() -> Iterator[Device]:
     """Every EGL device on which a context with OpenGL 4.5 can be made, in EGL's order."""
     index = 0
-    while (context := _try_context(index)) is not None:
-        device = _record(context, index)
-        supported = context.version_code >= REQUIRED_GL
-        context.release()
+    while (found := _look(index)) is not None:
+        device, supported = found
         if supported:
             yield device
         index += 1
+
+
+def _look(index: int) -> tuple[Device, bool] | None:
+    # A new context takes the current one's place, and keeps it after its end: put the old one back.
+    display, before = EGL.eglGetCurrentDisplay(), EGL.eglGetCurrentContext()
+    surfaces = [EGL.eglGetCurrentSurface(which) for which in (EGL.EGL_DRAW, EGL.EGL_READ)]
+    context = _try_context(index)
+    if context is None:
+        return None
+    found = _record(context, index), context.version_code >= REQUIRED_GL
+    context.release()
+    # An ended context stays current until another is made: then there is nothing to put back.
+    with suppress(GLError):
+        EGL.eglMakeCurrent(display, *surfaces, before)
+    return found
 
 
 def _failure(what: str, where: str, device: Device) -> GlError:

@@ -1,7 +1,10 @@
 """GLSL from package data: includes, named sections, and errors that name file and line.
 
 A file may hold several shaders. `#section NAME` starts one; what stands before the first section belongs to
-all of them. `#include "file.glsl"` takes a neighbour in, once. Every line keeps its own file and number.
+all of them. `#include "file.glsl"` takes a neighbour in, once.
+
+A table of lines says where an error stands; `#line` directives would not do, for Mesa 22 puts whatever it
+finds after parsing down to string 0.
 """
 
 from __future__ import annotations
@@ -20,11 +23,11 @@ from scenes.errors import DeviceError
 
 Built = TypeVar("Built")
 
-HEADER = "#version 450 core\n"
+VERSION = "#version 450 core"
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 _SECTION = re.compile(r"^\s*#section\s+(\w+)\s*$")
 # Mesa writes "2:14(3): error", NVIDIA "2(14) : error": string number, then line.
-_LOCATION = re.compile(r"\b(\d+)(?::(\d+)\(\d+\)|\((\d+)\))(?=\s*:)")
+_LOCATION = re.compile(r"\b\d+(?::(\d+)\(\d+\)|\((\d+)\))(?=\s*:)")
 
 
 class ShaderError(DeviceError):
@@ -33,29 +36,32 @@ class ShaderError(DeviceError):
 
 @dataclass(frozen=True)
 class Line:
-    """One line of GLSL and where it stands."""
+    """One line of GLSL and where it stands, as `file:number`."""
 
-    file: int
-    number: int
+    place: str
     text: str
 
 
 @dataclass(frozen=True)
 class Source:
-    """One shader's full text, and the files whose numbers its `#line` directives carry."""
+    """One shader's full text, and the place that each of its lines comes from."""
 
     text: str
-    names: tuple[str, ...]
+    places: tuple[str, ...]
+
+    @property
+    def files(self) -> str:
+        """The files that it was put together from."""
+        return ", ".join(dict.fromkeys(place.split(":")[0] for place in self.places))
 
     def explain(self, log: str) -> str:
-        """The driver's log with string numbers replaced by file names."""
+        """The driver's log with line numbers replaced by places."""
 
-        def name(match: re.Match[str]) -> str:
-            number = int(match[1])
-            file = self.names[number] if number < len(self.names) else f"string {number}"
-            return f"{file}:{match[2] or match[3]}"
+        def place(match: re.Match[str]) -> str:
+            line = int(match[1] or match[2])
+            return self.places[line - 1] if 0 < line <= len(self.places) else match[0]
 
-        return _LOCATION.sub(name, log)
+        return _LOCATION.sub(place, log)
 
 
 @lru_cache
@@ -79,7 +85,8 @@ def source(file: str, section: str) -> Source:
             own.append(line)
     if own is None:
         raise ShaderError(f'There is no "#section {section}".', where=file)
-    return Source(HEADER + _join([*shared, *own]), tuple(names))
+    lines = [Line(f"{file}:0", VERSION), *shared, *own]
+    return Source("".join(f"{line.text}\n" for line in lines), tuple(line.place for line in lines))
 
 
 def program(gpu: Gpu, vertex: Source, fragment: Source) -> moderngl.Program:
@@ -116,25 +123,13 @@ def _expand(file: str, names: list[str], where: str) -> list[Line]:
     if not resource.is_file():
         raise ShaderError(f'There is no shader file "{file}".', where=where)
     names.append(file)
-    index = len(names) - 1
     lines: list[Line] = []
     for number, text in enumerate(resource.read_text(encoding="utf-8").splitlines(), start=1):
         if included := _INCLUDE.match(text):
             lines += _expand(included[1], names, where=f"{file}:{number}")
         else:
-            lines.append(Line(index, number, text))
+            lines.append(Line(f"{file}:{number}", text))
     return lines
-
-
-def _join(lines: list[Line]) -> str:
-    parts: list[str] = []
-    expected = (-1, -1)
-    for line in lines:
-        if (line.file, line.number) != expected:
-            parts.append(f"#line {line.number} {line.file}")
-        parts.append(line.text)
-        expected = (line.file, line.number + 1)
-    return "\n".join(parts) + "\n"
 
 
 def _explained(build: Callable[[], Built], stages: tuple[Source, ...]) -> Built:
@@ -144,5 +139,5 @@ def _explained(build: Callable[[], Built], stages: tuple[Source, ...]) -> Built:
         log = str(error)
         stage = stages[1] if len(stages) > 1 and "fragment" in log.lower() else stages[0]
         raise ShaderError(
-            "The driver refused a shader.", where=", ".join(stage.names), known=stage.explain(log)
+            "The driver refused a shader.", where=stage.files, known=stage.explain(log)
         ) from error

@@ -1,0 +1,259 @@
+"""A level goes in, its lights are measured, and the level comes out annotated."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from api.choosing import chosen_cameras, chosen_lights, require_triangles
+from api.destinations import check_target, check_writable, default_target, ready_folder
+from api.picture_folder import PictureFolder
+from renderers.clock import ClockKind, truthful_clock
+from renderers.context import Device, Gpu
+from renderers.registry import technique
+from scenes.atomic_file import write_atomically
+from scenes.errors import GnomonError, OutputError
+from scenes.formats.registry import format_of, read_level
+from scenes.level import Level
+from scenes.level_file import read_level_file
+from scenes.level_output import write_level
+from scenes.scene import Light
+from selector.annotation import annotation
+from selector.level_measuring import Answer, Request, SeenLight, answers, seen_lights
+from selector.measurement_record import answer_record, measurement_record
+from selector.measuring import Bench
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What to annotate, and how.
+
+    Attributes:
+        level: The level file.
+        scene: Which of its scenes; the default one where None.
+        target: The annotated level.
+        in_place: Whether the level itself is overwritten; the target is the level then.
+        lights: Names, numbers or nodes; all where empty.
+        cameras: The same for cameras.
+        request: What is asked about each light.
+        pictures: Folder for pictures; none where None.
+        measurements: File for the raw samples; none where None.
+        device: Index or name; the first that works where None.
+    """
+
+    level: Path
+    scene: str | None
+    target: Path
+    in_place: bool
+    lights: Sequence[str]
+    cameras: Sequence[str]
+    request: Request
+    pictures: Path | None
+    measurements: Path | None
+    device: str | None
+
+
+@dataclass(frozen=True)
+class Workload:
+    """A level that is ready to be measured: everything that can be checked before has been.
+
+    Attributes:
+        order: What was asked.
+        level: The level.
+        source: The bytes it was read from.
+        seen: Its lights with their views.
+        device: Where they are measured.
+        clock: How time is told there.
+        steps: Steps of each light.
+        problems: What went wrong with an output so far; it must not cost the other results.
+    """
+
+    order: Order
+    level: Level
+    source: bytes
+    seen: tuple[SeenLight, ...]
+    device: Device
+    clock: ClockKind
+    steps: list[int]
+    problems: list[GnomonError]
+    _gpu: Gpu
+
+    @property
+    def forgotten(self) -> bool:
+        """Whether the level carries annotations of ours at lights that are not measured now."""
+        if len(self.seen) == len(self.level.scene.lights):
+            return False
+        return format_of(self.order.level).clear(self.source).data != self.source
+
+    def measured(self, on_step: Callable[[str], None]) -> Iterator[Answer]:
+        """One answer a light, as soon as it is there, its pictures written.
+
+        Raises:
+            DeviceError: The device cannot hold the level.
+        """
+        order = self.order
+        folder = PictureFolder(order.pictures, self.level, self.seen) if order.pictures else None
+        with Bench(self._gpu, self.level.scene, order.request.plan) as bench:
+            keep = folder.keep if folder else None
+            limits = self.device.limits
+            for answer in answers(bench, limits, self.seen, order.request, on_step, keep):
+                if folder:
+                    try:
+                        folder.write(answer)
+                    except OutputError as error:
+                        self.problems.append(error)
+                        folder = None
+                yield answer
+
+
+@contextmanager
+def workload(order: Order) -> Iterator[Workload]:
+    """Reads the level, and checks all that can be checked before anything is measured.
+
+    Raises:
+        LevelError: The level cannot be read, has no lights or triangles, or not those that are wanted.
+        OutputError: An output could not be written.
+        DeviceError: There is no such device.
+        UnknownTechniqueError: A technique is not known.
+    """
+    for name in order.request.techniques:
+        technique(name)
+    level_format = format_of(order.level)
+    source = read_level_file(order.level)
+    level = read_level(order.level, order.scene)
+    require_triangles(level)
+    lights, cameras = chosen_lights(level, order.lights), chosen_cameras(level, order.cameras)
+    if order.in_place:
+        check_writable(order.target)
+    else:
+        check_target(order.level, order.target, level_format)
+    if order.measurements:
+        _check_measurements(order, order.measurements)
+    if order.pictures:
+        ready_folder(order.pictures)
+    with Gpu(order.device) as gpu:
+        seen = seen_lights(level.scene, lights, cameras)
+        steps = [order.request.steps(one, gpu.device.limits) for one in seen]
+        yield Workload(order, level, source, seen, gpu.device, truthful_clock(gpu), steps, [], gpu)
+
+
+def write_results(work: Workload, found: Sequence[Answer]) -> tuple[Path, ...]:
+    """Writes the raw samples and the annotated level; gives all level files that were written.
+
+    What cannot be written is added to the problems. No level is written where no light has a
+    recommendation.
+    """
+    order = work.order
+    try:
+        if order.measurements:
+            write_atomically(order.measurements, _measurements_file(work, found))
+    except OutputError as error:
+        work.problems.append(error)
+    try:
+        return _write_annotated(work, found)
+    except GnomonError as error:
+        work.problems.append(error)
+        return ()
+
+
+def _write_annotated(work: Workload, found: Sequence[Answer]) -> tuple[Path, ...]:
+    order, level_format = work.order, format_of(work.order.level)
+    advice = {
+        _node(answer.light): annotation(answer.recommendation) for answer in found if answer.recommendation
+    }
+    if not advice:
+        return ()
+    data = level_format.annotate(work.source, advice)
+    if order.in_place and read_level_file(order.level) != work.source:
+        raise OutputError(
+            "The level has changed while its lights were measured, so it was left as it is.",
+            where=str(order.level),
+            remedy="Run the command again.",
+        )
+    return write_level(order.level, order.target, data, level_format)
+
+
+@dataclass(frozen=True)
+class Clearing:
+    """What became of a level whose annotation was taken out."""
+
+    target: Path
+    restored: bool
+    note: str
+    written: bool
+
+
+def clear_level(level: Path, target: Path, *, in_place: bool) -> Clearing:
+    """Writes the level without our annotation; one that has none is written to another name only.
+
+    Raises:
+        LevelError: The level cannot be read.
+        OutputError: The result cannot be written.
+    """
+    level_format = format_of(level)
+    source = read_level_file(level)
+    cleared = level_format.clear(source)
+    if in_place and cleared.data == source:
+        return Clearing(target, cleared.restored, cleared.note, written=False)
+    if in_place:
+        check_writable(target)
+    else:
+        check_target(level, target, level_format, cleared.data)
+    write_level(level, target, cleared.data, level_format)
+    return Clearing(target, cleared.restored, cleared.note, written=True)
+
+
+def target_of(level: Path, output: Path | None, *, in_place: bool) -> Path:
+    """Where the annotated level goes."""
+    return level if in_place else output or default_target(level)
+
+
+def result_record(work: Workload, found: Sequence[Answer], written: Sequence[Path]) -> Json:
+    """The whole result as JSON values."""
+    plan = work.order.request.plan
+    return {
+        "level": str(work.level.path),
+        "format": work.level.format,
+        "digest": work.level.scene.digest,
+        "output": str(written[-1]) if written else None,
+        "written": [str(path) for path in written],
+        "device": work.device.as_dict(),
+        "clock": str(work.clock),
+        "resolution": [plan.width, plan.height],
+        "rounds": plan.rounds,
+        "max_edge_error_px": work.order.request.max_edge_error_px,
+        "lights": [answer_record(answer) for answer in found],
+        "problems": [str(problem) for problem in work.problems],
+    }
+
+
+def _measurements_file(work: Workload, found: Sequence[Answer]) -> bytes:
+    measurements = [measurement_record(answer.measurement) for answer in found if answer.measurement]
+    record = {
+        "level": str(work.level.path),
+        "digest": work.level.scene.digest,
+        "lights": measurements,
+    }
+    return (json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n").encode()
+
+
+def _check_measurements(order: Order, path: Path) -> None:
+    for other in (order.level, order.target):
+        if path.resolve() == other.resolve():
+            raise OutputError(
+                "The measurements would overwrite the level.",
+                where=str(path),
+                remedy="Choose another name with --measurements.",
+            )
+    check_writable(path)
+
+
+def _node(light: Light) -> int:
+    assert light.node is not None, "every level format says which node carries a light"
+    return light.node

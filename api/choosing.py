@@ -1,0 +1,96 @@
+"""Lights and cameras of a level by what users call them: a name, `node:12`, or a place in the list."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+from scenes.errors import LevelError
+from scenes.level import Level
+from scenes.scene import Camera, Light
+
+MOST_NAMES_LISTED = 10
+NODE_PREFIX = "node:"
+
+Named = TypeVar("Named", Light, Camera)
+
+
+def chosen_lights(level: Level, wanted: Sequence[str]) -> tuple[Light, ...]:
+    """The lights that are meant, in the level's order; all of them where nothing is wanted.
+
+    Raises:
+        LevelError: The level has no lights, or none of that name; the message lists those there are.
+    """
+    if not level.scene.lights:
+        raise LevelError(
+            "This level has no lights that cast shadows.",
+            where=str(level.path),
+            remedy="Export it with its lights (in glTF: KHR_lights_punctual).",
+        )
+    return _chosen(level, level.scene.lights, "light", wanted)
+
+
+def chosen_cameras(level: Level, wanted: Sequence[str]) -> tuple[Camera, ...]:
+    """The cameras that are meant, in the level's order; all of them where nothing is wanted.
+
+    Raises:
+        LevelError: There is none of that name; the message lists those there are.
+    """
+    if wanted and not level.scene.cameras:
+        raise LevelError(
+            "This level has no cameras to choose from.",
+            where=str(level.path),
+            remedy="Leave --camera out: each light is then seen from four viewpoints made for it.",
+        )
+    return _chosen(level, level.scene.cameras, "camera", wanted)
+
+
+def require_triangles(level: Level) -> None:
+    """Refuse a level in which there is nothing to see.
+
+    Raises:
+        LevelError: It has no triangles.
+    """
+    if level.scene.triangle_count == 0:
+        raise LevelError(
+            "This level has no triangles: nothing casts a shadow and nothing shows one.",
+            where=str(level.path),
+            remedy="Export it with its geometry.",
+        )
+
+
+def _chosen(level: Level, known: tuple[Named, ...], what: str, wanted: Sequence[str]) -> tuple[Named, ...]:
+    if not wanted:
+        return known
+    meant = {index for name in wanted for index in _meant(level, known, what, name)}
+    return tuple(known[index] for index in sorted(meant))
+
+
+def _meant(level: Level, known: tuple[Named, ...], what: str, name: str) -> list[int]:
+    exact = [index for index, one in enumerate(known) if one.name == name]
+    if exact:
+        return exact
+    if name.startswith(NODE_PREFIX) and name.removeprefix(NODE_PREFIX).isdecimal():
+        node = int(name.removeprefix(NODE_PREFIX))
+        found = [index for index, one in enumerate(known) if one.node == node]
+    elif name.isdecimal():
+        found = [int(name)] if int(name) < len(known) else []
+    else:
+        found = [index for index, one in enumerate(known) if one.name.casefold() == name.casefold()]
+    if found:
+        return found
+    raise LevelError(
+        f'There is no {what} "{name}".',
+        where=str(level.path),
+        known=f"It has {_listed(known, what)}.",
+        remedy=f"A {what} is chosen by its name, its number from 0 on, or node:NUMBER; "
+        "`gnomon inspect` lists all.",
+    )
+
+
+def _listed(known: tuple[Named, ...], what: str) -> str:
+    names = [f'"{one.name}"' if one.name else f"{NODE_PREFIX}{one.node}" for one in known]
+    more = len(names) - MOST_NAMES_LISTED
+    listed = ", ".join(names[:MOST_NAMES_LISTED])
+    plural = what if len(names) == 1 else f"{what}s"
+    return f"the {plural} {listed}" + (f" ... and {more} more" if more > 0 else "")

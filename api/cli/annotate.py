@@ -1,0 +1,192 @@
+"""`gnomon annotate`: measures the lights of a level and writes the answers into it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from api.cli import options
+
+OUTPUTS, MEASURING, EXTRAS = "Where the result goes", "What is measured", "More to look at"
+
+
+def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
+    level: options.Level,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="OUT",
+            help="The annotated level.",
+            show_default="NAME.annotated.EXT beside the level",
+            rich_help_panel=OUTPUTS,
+        ),
+    ] = None,
+    light: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--light",
+            metavar="NAME|INDEX",
+            help="Only this light: its name, its number or node:NUMBER. May be given again.",
+            show_default="all",
+            rich_help_panel=MEASURING,
+        ),
+    ] = None,
+    camera: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--camera",
+            metavar="NAME|INDEX",
+            help="Judge only by this camera. May be given again.",
+            show_default="all, or in a level without cameras four viewpoints for each light",
+            rich_help_panel=MEASURING,
+        ),
+    ] = None,
+    max_edge_error_px: Annotated[
+        float,
+        typer.Option(
+            "--max-edge-error-px",
+            metavar="PX",
+            min=0.0,
+            help="How far the edge of a shadow may be off, in pixels. The cheapest candidate within it wins.",
+            rich_help_panel=MEASURING,
+        ),
+    ] = 1.5,
+    techniques: Annotated[
+        str | None,
+        typer.Option(
+            "--techniques",
+            metavar="SM,SV",
+            help="The techniques to choose from.",
+            show_default="all",
+            rich_help_panel=MEASURING,
+        ),
+    ] = None,
+    resolution: Annotated[
+        options.Resolution,
+        typer.Option(
+            "--resolution",
+            metavar="WxH",
+            parser=options.parse_resolution,
+            help="Pixels across and down of each view.",
+            rich_help_panel=MEASURING,
+        ),
+    ] = options.DEFAULT_RESOLUTION,
+    rounds: Annotated[
+        int,
+        typer.Option(
+            "--rounds",
+            metavar="N",
+            min=1,
+            max=1000,
+            help="How often every candidate is timed.",
+            rich_help_panel=MEASURING,
+        ),
+    ] = 3,
+    mobility: Annotated[
+        Literal["static", "dynamic"] | None,
+        typer.Option(
+            "--mobility",
+            help="Whether lights stand still, so that their maps are kept.",
+            show_default="what the level says of each light, else dynamic",
+            rich_help_panel=MEASURING,
+        ),
+    ] = None,
+    mode: Annotated[
+        Literal["measure"],
+        typer.Option(
+            "--mode",
+            help="How answers are found: measure renders every candidate.",
+            rich_help_panel=MEASURING,
+        ),
+    ] = "measure",
+    pictures: Annotated[
+        Path | None,
+        typer.Option(
+            "--pictures",
+            metavar="FOLDER",
+            help="Write a picture of each light under each candidate, and a sheet with all of them.",
+            show_default=False,
+            rich_help_panel=EXTRAS,
+        ),
+    ] = None,
+    measurements: Annotated[
+        Path | None,
+        typer.Option(
+            "--measurements",
+            metavar="FILE",
+            help="Write every raw sample, counter and error figure, as JSON.",
+            show_default=False,
+            rich_help_panel=EXTRAS,
+        ),
+    ] = None,
+    scene: options.SceneName = None,
+    device: options.Device = None,
+    *,
+    in_place: Annotated[
+        bool, typer.Option("--in-place", help="Overwrite the level itself.", rich_help_panel=OUTPUTS)
+    ] = False,
+    clear: Annotated[
+        bool,
+        typer.Option(
+            "--clear",
+            help="Measure nothing and take Gnomon's annotation out again; needs -o or --in-place.",
+            rich_help_panel=OUTPUTS,
+        ),
+    ] = False,
+    verify: Annotated[
+        bool,
+        typer.Option(
+            "--verify",
+            help="Check the ground truth itself against ray casting (Embree).",
+            rich_help_panel=EXTRAS,
+        ),
+    ] = False,
+    as_json: options.AsJson = False,
+) -> None:
+    """Choose a shadow technique for every light of a level, and write the choices into it.
+
+    Every light is rendered with every candidate technique and setting from every camera. Speed and error
+    are measured, and the cheapest candidate whose shadow's edge is near enough to the truth wins.
+
+    The level itself stays untouched unless --in-place is given.
+    """
+    # OpenGL and images are loaded by the commands that need them, so that --help is there at once.
+    from api.annotating import Order, target_of  # noqa: PLC0415
+    from api.cli.annotate_run import run_annotate, run_clear  # noqa: PLC0415
+    from api.cli.failures import UsageError  # noqa: PLC0415
+    from scenes.scene import Mobility  # noqa: PLC0415
+    from selector.level_measuring import Request  # noqa: PLC0415
+    from selector.measuring import Plan  # noqa: PLC0415
+
+    del mode
+    if in_place and output is not None:
+        raise UsageError("--in-place and -o contradict each other.", remedy="Give one of them.")
+    if clear:
+        if not in_place and output is None:
+            raise UsageError("--clear needs to know where to write.", remedy="Add --in-place or -o OUT.")
+        if light:
+            raise UsageError("--clear takes out the annotation of all lights.", remedy="Leave --light out.")
+        run_clear(level, target_of(level, output, in_place=in_place), in_place=in_place, as_json=as_json)
+        return
+    order = Order(
+        level=level,
+        scene=scene,
+        target=target_of(level, output, in_place=in_place),
+        in_place=in_place,
+        lights=light or (),
+        cameras=camera or (),
+        request=Request(
+            max_edge_error_px=max_edge_error_px,
+            techniques=options.parse_names(techniques),
+            mobility=Mobility(mobility) if mobility else None,
+            plan=Plan(resolution.width, resolution.height, rounds, verify=verify),
+        ),
+        pictures=pictures,
+        measurements=measurements,
+        device=device,
+    )
+    run_annotate(order, as_json=as_json)

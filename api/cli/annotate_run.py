@@ -1,0 +1,129 @@
+"""How `gnomon annotate` goes: progress while it measures, a table when it is done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from api.annotating import Order, Workload, clear_level, result_record, workload, write_results
+from api.cli.annotation_table import print_answers
+from api.cli.failures import EXIT_INCOMPLETE, InterruptedRunError, report
+from api.cli.progress import MeasuringProgress
+from api.cli.terminal import errors, print_json, printable, results
+from api.wording import counted
+from selector.candidate import candidates
+from selector.level_measuring import Answer
+
+
+def run_annotate(order: Order, *, as_json: bool) -> None:
+    """Measures, writes, and says what came out.
+
+    Raises:
+        GnomonError: Something is wrong with the level, the device or an output, before any light was done.
+        Exit: Some lights have no recommendation, or an output could not be written.
+    """
+    with workload(order) as work:
+        found = _measured(work)
+        written = write_results(work, found)
+    if as_json:
+        print_json(result_record(work, found, written))
+    else:
+        console = results()
+        print_answers(console, work, found)
+        _print_outputs(console, work, written)
+    for problem in work.problems:
+        report(problem)
+    if work.problems:
+        raise typer.Exit(work.problems[0].exit_code)
+    if any(answer.recommendation is None for answer in found):
+        raise typer.Exit(EXIT_INCOMPLETE)
+
+
+def run_clear(level: Path, target: Path, *, in_place: bool, as_json: bool) -> None:
+    """Takes the annotation out, and says whether the original bytes are back.
+
+    Raises:
+        GnomonError: Something is wrong with the level or the output.
+    """
+    clearing = clear_level(level, target, in_place=in_place)
+    if as_json:
+        print_json(
+            {
+                "level": str(level),
+                "output": str(target) if clearing.written else None,
+                "restored": clearing.restored,
+                "note": clearing.note,
+            }
+        )
+        return
+    console = results()
+    console.print(Text(clearing.note), soft_wrap=True)
+    if clearing.written:
+        console.print(Text(f"Wrote {printable(str(target))}."), soft_wrap=True)
+
+
+def _measured(work: Workload) -> list[Answer]:
+    console = errors()
+    _announce(console, work)
+    found: list[Answer] = []
+    progress = MeasuringProgress(console, work.steps)
+    try:
+        with progress:
+            for answer in work.measured(progress.step):
+                found.append(answer)
+                progress.light_done(answer.light.name)
+    except KeyboardInterrupt:
+        raise _interrupted(work, len(found)) from None
+    return found
+
+
+def _announce(console: Console, work: Workload) -> None:
+    plan, lights = work.order.request.plan, [one.light for one in work.seen]
+    techniques = work.order.request.techniques
+    counts = {len(candidates(light.kind, work.device.limits, techniques)) for light in lights}
+    views = {len(one.cameras) for one in work.seen}
+    text = (
+        f"Measuring {counted(len(lights), 'light')} with {_range(counts, 'candidate')} "
+        f"in {_range(views, 'view')}, {plan.width}x{plan.height}, {counted(plan.rounds, 'round')}, "
+        f"on {work.device.renderer}"
+    )
+    console.print(Text(printable(text)), soft_wrap=True)
+    if work.forgotten:
+        console.print(
+            Text.assemble(
+                ("warning: ", "bold yellow"),
+                "The level was annotated before. Lights that are not measured now lose their annotation in "
+                f"{printable(str(work.order.target))}.",
+            ),
+            soft_wrap=True,
+        )
+
+
+def _interrupted(work: Workload, done: int) -> InterruptedRunError:
+    order = work.order
+    beside = f" Pictures of the lights that were done are in {order.pictures}." if order.pictures else ""
+    return InterruptedRunError(
+        f"{done} of {counted(len(work.seen), 'light')} were measured; {order.target} was not written.",
+        known=f"{order.level} is untouched.{beside}",
+    )
+
+
+def _print_outputs(console: Console, work: Workload, written: Sequence[Path]) -> None:
+    order, problems = work.order, work.problems
+    if written:
+        console.print(Text(f"Wrote {printable(', '.join(map(str, written)))}."), soft_wrap=True)
+    elif not problems:
+        console.print(Text("No level was written: there is nothing to annotate it with."), soft_wrap=True)
+    if order.pictures and not problems:
+        console.print(Text(f"Pictures are in {printable(str(order.pictures))}."), soft_wrap=True)
+    if order.measurements and not problems:
+        console.print(Text(f"Measurements are in {printable(str(order.measurements))}."), soft_wrap=True)
+
+
+def _range(numbers: set[int], what: str) -> str:
+    low, high = min(numbers), max(numbers)
+    return counted(low, what) if low == high else f"{low} to {high} {what}s"

@@ -1,0 +1,115 @@
+"""The table of `gnomon annotate`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from api.annotating import Workload
+from api.cli.terminal import printable
+from selector.level_measuring import Answer
+from selector.measurement import Status
+from selector.recommendation import Recommendation
+
+NOTHING = "-"
+WIDE = 140
+"""Columns from which on a reason fits beside its light; narrower, the reasons follow the table."""
+
+
+def print_answers(console: Console, work: Workload, found: Sequence[Answer]) -> None:
+    """One row a light, then why, then what went wrong, then how often each technique won."""
+    answered = [(answer, answer.recommendation) for answer in found if answer.recommendation]
+    wide = console.width >= WIDE
+    if answered:
+        console.print(_table([recommendation for _, recommendation in answered], wide=wide))
+    if not wide:
+        for answer, recommendation in answered:
+            console.print(Text.assemble((printable(answer.light.name), "bold"), f": {recommendation.reason}"))
+        if answered:
+            console.print()
+    _print_failed_candidates(console, [recommendation for _, recommendation in answered])
+    for answer in found:
+        if answer.recommendation is None:
+            console.print(
+                Text.assemble(
+                    ("no recommendation ", "bold red"),
+                    (f"{printable(answer.light.name)} (node {answer.light.node}): ", "bold"),
+                    printable(answer.problem),
+                )
+            )
+    _print_verified(console, found)
+    wins = Counter(recommendation.chosen.candidate.method.label for _, recommendation in answered)
+    if len(answered) > 1:
+        shares = ", ".join(f"{label} for {count}" for label, count in wins.most_common())
+        console.print(
+            Text(f"{shares} of {len(found)} lights, within {work.order.request.max_edge_error_px:g} px.")
+        )
+
+
+def _table(recommendations: Sequence[Recommendation], *, wide: bool) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
+    table.add_column("light", overflow="fold")
+    table.add_column("use", no_wrap=True)
+    table.add_column("map", justify="right", no_wrap=True)
+    table.add_column("filter", justify="right", no_wrap=True)
+    for column in ("shadow ms", "edge px"):
+        table.add_column(column, justify="right")
+    table.add_column("runner-up", no_wrap=True)
+    table.add_column("sure", justify="right", no_wrap=True)
+    if wide:
+        table.add_column("why", ratio=1)
+    for one in recommendations:
+        settings = dict(one.chosen.candidate.settings)
+        color = "green" if one.within_limit else "yellow"
+        cells: list[Text | str] = [
+            Text(printable(one.light.name)),
+            Text(one.chosen.candidate.method.label, style=f"bold {color}"),
+            str(settings.get("map_size", NOTHING)),
+            str(settings.get("filter", NOTHING)),
+            f"{one.chosen.shadow_ms:.2f}",
+            _edge(one),
+            one.runner_up.candidate.label if one.runner_up else NOTHING,
+            f"{100 * one.confidence:.0f} %",
+        ]
+        table.add_row(*cells, *([one.reason] if wide else []))
+    return table
+
+
+def _edge(one: Recommendation) -> str:
+    return NOTHING if one.chosen.edge_error_px is None else f"{one.chosen.edge_error_px:.2f}"
+
+
+def _print_failed_candidates(console: Console, recommendations: Sequence[Recommendation]) -> None:
+    """A candidate that failed was not weighed: the choice might have been another."""
+    for one in recommendations:
+        failed = [measurement for measurement in one.failed if measurement.status is not Status.REFUSED]
+        for reason, labels in _by_reason([(f.candidate.label, f"{f.status}: {f.reason}") for f in failed]):
+            console.print(
+                Text.assemble(
+                    ("not weighed ", "bold yellow"),
+                    (f"{printable(one.light.name)}: ", "bold"),
+                    printable(f"{', '.join(labels)}: {reason.replace('_', ' ')}"),
+                )
+            )
+
+
+def _by_reason(failures: Sequence[tuple[str, str]]) -> list[tuple[str, list[str]]]:
+    reasons = dict.fromkeys(reason for _, reason in failures)
+    return [(reason, [label for label, why in failures if why == reason]) for reason in reasons]
+
+
+def _print_verified(console: Console, found: Sequence[Answer]) -> None:
+    shares = [
+        answer.measurement.verified_wrong_share
+        for answer in found
+        if answer.measurement and answer.measurement.verified_wrong_share is not None
+    ]
+    if shares:
+        console.print(
+            Text(f"The ground truth agrees with ray casting to {100 * max(shares):.4f} % of pixels at worst.")
+        )

@@ -1,0 +1,58 @@
+"""The `gnomon` command line."""
+
+from __future__ import annotations
+
+import sys
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from api.cli.annotate import annotate
+from api.cli.devices import devices
+from api.cli.failures import EPILOG, failing_cleanly, interrupted, report
+from api.cli.inspect import inspect
+from api.cli.render import render
+
+app = typer.Typer(
+    name="gnomon",
+    help="Which shadow technique should each light use? Gnomon measures it, and writes it into the level.",
+    epilog=EPILOG,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for command in (annotate, inspect, render, devices):
+    app.command(epilog=EPILOG)(failing_cleanly(command))
+
+
+def _print_version(value: bool) -> None:  # noqa: FBT001  Typer calls it so
+    if value:
+        typer.echo(f"gnomon {version('gnomon')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _program(
+    *,
+    version_wanted: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Take the options of the program itself."""
+    del version_wanted
+
+
+def main() -> None:
+    """The entry point of the `gnomon` program."""
+    try:
+        app()
+    except KeyboardInterrupt:
+        # Before a command has begun, or while the last one is leaving.
+        failure = interrupted()
+        report(failure)
+        sys.exit(failure.exit_code)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,86 @@
+"""Options that mean the same in every command."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+SMALLEST_SIDE, LARGEST_SIDE = 16, 8192
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Pixels across and down."""
+
+    width: int
+    height: int
+
+    def __str__(self) -> str:
+        return f"{self.width}x{self.height}"
+
+
+def parse_resolution(text: str | Resolution) -> Resolution:
+    """`640x360` as numbers.
+
+    Raises:
+        BadParameter: It is none, or a side is too short or too long.
+    """
+    if isinstance(text, Resolution):
+        return text
+    match = re.fullmatch(r"(\d{1,6})[xX](\d{1,6})", text)
+    if match is None:
+        raise typer.BadParameter(f'"{text}" is not a resolution such as 640x360.')
+    resolution = Resolution(int(match[1]), int(match[2]))
+    if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in (resolution.width, resolution.height)):
+        raise typer.BadParameter(f"Both sides must be between {SMALLEST_SIDE} and {LARGEST_SIDE} pixels.")
+    return resolution
+
+
+DEFAULT_RESOLUTION = Resolution(640, 360)
+
+Level = Annotated[
+    Path, typer.Argument(metavar="LEVEL", help="The level file: .glb or .gltf.", show_default=False)
+]
+SceneName = Annotated[
+    str | None,
+    typer.Option(
+        "--scene",
+        metavar="NAME|INDEX",
+        help="Which scene of the file.",
+        show_default="the file's default scene",
+    ),
+]
+Device = Annotated[
+    str | None,
+    typer.Option(
+        "--device",
+        metavar="NAME|INDEX",
+        help="Which GPU, as `gnomon devices` lists them.",
+        show_default="the first that works",
+    ),
+]
+Size = Annotated[
+    Resolution,
+    typer.Option(
+        "--resolution", metavar="WxH", parser=parse_resolution, help="Pixels across and down of each view."
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON, and nothing else on stdout.")]
+
+
+def parse_names(text: str | None) -> tuple[str, ...]:
+    """`SM,SV` as its names; none where there is nothing.
+
+    Raises:
+        BadParameter: There are commas, and no names.
+    """
+    if text is None:
+        return ()
+    names = tuple(name.strip() for name in text.split(",") if name.strip())
+    if not names:
+        raise typer.BadParameter(f'"{text}" names nothing.')
+    return names

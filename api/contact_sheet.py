@@ -1,0 +1,189 @@
+"""One picture that shows a light under all its candidates, side by side with the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+import numpy.typing as npt
+
+from api.canvas import BOLD, Canvas, Color, Picture, resized, shortened, wrapped
+from selector.candidate import Candidate
+from selector.measurement import Measurement, Status
+from selector.recommendation import Recommendation
+
+BACKGROUND: Color = (22, 24, 29)
+PANEL: Color = (34, 37, 44)
+BRIGHT: Color = (238, 240, 244)
+DIM: Color = (150, 156, 168)
+CHOSEN: Color = (255, 196, 61)
+GOOD: Color = (120, 205, 140)
+BAD: Color = (240, 120, 104)
+INSET: Color = (255, 255, 255)
+
+COLUMNS = 3
+TILE_WIDTH = 448
+CAPTION_HEIGHT = 64
+MARGIN, GAP, PADDING = 36, 28, 14
+HEADER_HEIGHT = 128
+ZOOM, CROP = 4, 36
+FRAME = 5
+
+
+@dataclass(frozen=True)
+class SheetTexts:
+    """What the header says besides the light's name.
+
+    Attributes:
+        title: The light.
+        place: Level, view, resolution, device.
+    """
+
+    title: str
+    place: str
+
+
+@dataclass(frozen=True)
+class _Tile:
+    picture: Picture | None
+    title: str
+    caption: str
+    color: Color
+    badge: str = ""
+    chosen: bool = False
+
+
+def contact_sheet(
+    texts: SheetTexts,
+    truth: Picture,
+    pictures: Mapping[Candidate, Picture],
+    measurements: Sequence[Measurement],
+    recommendation: Recommendation | None,
+) -> Picture:
+    """(h, w, 3) uint8 sRGB: the truth, then every candidate with what it costs and how far it is off.
+
+    Args:
+        texts: The header.
+        truth: (h, w, 3) uint8 sRGB, of the first view.
+        pictures: The same of each candidate that rendered anything.
+        measurements: Every candidate, in the order of the tiles.
+        recommendation: The choice, which gets a frame; None where there is none.
+
+    Each tile magnifies the same place: the one where the candidates differ most from the truth.
+
+    Raises:
+        OutputError: Text cannot be drawn here.
+    """
+    tiles = [
+        _Tile(truth, "Truth", _source(measurements), DIM),
+        *(_tile(one, pictures.get(one.candidate), recommendation) for one in measurements),
+    ]
+    picture_height = max(1, round(TILE_WIDTH * truth.shape[0] / truth.shape[1]))
+    tile_height = picture_height + CAPTION_HEIGHT
+    rows = ceil(len(tiles) / COLUMNS)
+    canvas = Canvas(
+        2 * MARGIN + COLUMNS * TILE_WIDTH + (COLUMNS - 1) * GAP,
+        HEADER_HEIGHT + rows * tile_height + (rows - 1) * GAP + MARGIN,
+        BACKGROUND,
+    )
+    window = _most_different(truth, list(pictures.values()))
+    _draw_header(canvas, texts, recommendation, magnified=window is not None)
+    for index, tile in enumerate(tiles):
+        x = MARGIN + (index % COLUMNS) * (TILE_WIDTH + GAP)
+        y = HEADER_HEIGHT + (index // COLUMNS) * (tile_height + GAP)
+        _draw_tile(canvas, x, y, picture_height, tile, window)
+    return canvas.picture
+
+
+def _source(measurements: Sequence[Measurement]) -> str:
+    sources = [one.views[0].truth for one in measurements if one.views]
+    words = f"by {sources[0].replace('_', ' ')}, " if sources else ""
+    return f"{words}what every candidate is compared with"
+
+
+def _tile(one: Measurement, picture: Picture | None, recommendation: Recommendation | None) -> _Tile:
+    label = one.candidate.label
+    if recommendation is None or one.status is not Status.OK:
+        reason = f"{one.status}: {one.reason}" if one.reason else str(one.status)
+        return _Tile(picture, label, reason.replace("_", " "), BAD)
+    rated = next(rated for rated in recommendation.rated if rated.candidate == one.candidate)
+    chosen = rated == recommendation.chosen
+    off = (
+        "shows too little edge to judge"
+        if rated.edge_error_px is None
+        else f"edge off by {rated.edge_error_px:.2f} px"
+    )
+    good = rated.exceedance_px <= recommendation.max_edge_error_px
+    badge = "CHOSEN" if chosen else "runner-up" if rated == recommendation.runner_up else ""
+    return _Tile(picture, label, f"{rated.shadow_ms:.1f} ms,  {off}", GOOD if good else BAD, badge, chosen)
+
+
+def _most_different(truth: Picture, pictures: Sequence[Picture]) -> tuple[int, int, int] | None:
+    """Left, top and side of the square in which the pictures differ most from the truth; None if nowhere."""
+    difference = np.zeros(truth.shape[:2])
+    for picture in pictures:
+        difference += np.abs(picture.astype(np.int32) - truth).sum(axis=2)
+    if not difference.any():
+        return None
+    side = min(CROP, *truth.shape[:2])
+    sums = np.pad(difference, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+    windows: npt.NDArray[np.float64] = (
+        sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
+    )
+    top, left = np.unravel_index(int(np.argmax(windows)), windows.shape)
+    return int(left), int(top), side
+
+
+def _draw_header(
+    canvas: Canvas, texts: SheetTexts, recommendation: Recommendation | None, *, magnified: bool
+) -> None:
+    width = canvas.picture.shape[1] - 2 * MARGIN
+    canvas.text(MARGIN, 50, shortened(texts.title, width, 30, BOLD), 30, BRIGHT, font=BOLD)
+    place = texts.place + (f", magnified {ZOOM} times where the candidates differ most" if magnified else "")
+    canvas.text(MARGIN, 78, shortened(place, width, 16), 16, DIM)
+    reason = recommendation.reason if recommendation else "No candidate could serve this light."
+    color = CHOSEN if recommendation and recommendation.within_limit else BAD
+    canvas.text(MARGIN, 106, shortened(reason, width, 18), 18, color)
+
+
+def _draw_tile(
+    canvas: Canvas, x: int, y: int, height: int, tile: _Tile, window: tuple[int, int, int] | None
+) -> None:
+    canvas.panel(x, y, TILE_WIDTH, height + CAPTION_HEIGHT, PANEL)
+    if tile.chosen:
+        canvas.frame(x, y, TILE_WIDTH, height + CAPTION_HEIGHT, CHOSEN, FRAME)
+    if tile.picture is None:
+        for row, line in enumerate(wrapped(tile.caption, TILE_WIDTH - 2 * PADDING, 15, max(1, height // 24))):
+            canvas.text(x + PADDING, y + 34 + 22 * row, line, 15, tile.color)
+    else:
+        canvas.paste(x, y, resized(tile.picture, TILE_WIDTH, height))
+        if window is not None:
+            _draw_inset(canvas, x, y, height, tile.picture, window)
+    baseline = y + height + 26
+    color = CHOSEN if tile.chosen else BRIGHT
+    canvas.text(x + PADDING, baseline, tile.title, 19, color, font=BOLD)
+    canvas.text(x + TILE_WIDTH - PADDING, baseline, tile.badge, 15, color if tile.chosen else DIM, right=True)
+    if tile.picture is not None:
+        caption = shortened(tile.caption, TILE_WIDTH - 2 * PADDING, 16)
+        canvas.text(x + PADDING, baseline + 24, caption, 16, tile.color)
+
+
+def _draw_inset(
+    canvas: Canvas, x: int, y: int, height: int, picture: Picture, window: tuple[int, int, int]
+) -> None:
+    """The magnified square in the corner that is farthest from it, and a frame where it comes from."""
+    left, top, side = window
+    scale = TILE_WIDTH / picture.shape[1]
+    crop = picture[top : top + side, left : left + side].repeat(ZOOM, axis=0).repeat(ZOOM, axis=1)
+    shown = min(len(crop), height - 4 * FRAME)
+    crop = crop[:shown, :shown]
+    lies_right = (left + side / 2) * 2 > picture.shape[1]
+    lies_low = (top + side / 2) * 2 > picture.shape[0]
+    corner_x = x + 2 * FRAME if lies_right else x + TILE_WIDTH - shown - 2 * FRAME
+    corner_y = y + 2 * FRAME if lies_low else y + height - shown - 2 * FRAME
+    box_x, box_y, box = x + round(left * scale), y + round(top * scale), round(side * scale)
+    canvas.frame(box_x + 1, box_y + 1, max(box - 2, 1), max(box - 2, 1), INSET, 1)
+    canvas.paste(corner_x, corner_y, crop)
+    canvas.frame(corner_x, corner_y, shown, shown, INSET, 1)

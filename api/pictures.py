@@ -1,0 +1,68 @@
+"""Pictures as PNG files, and names for them that every file system takes."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import OpenImageIO
+
+from scenes.atomic_file import write_atomically
+from scenes.errors import OutputError
+from scenes.scene import Light
+
+Picture = npt.NDArray[np.uint8]
+
+LONGEST_NAME = 80
+
+
+def write_png(path: Path, picture: Picture) -> None:
+    """Writes (h, w, 3) uint8 sRGB, top row first; the same picture gives the same bytes.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    write_atomically(path, png_bytes(picture))
+
+
+def png_bytes(picture: Picture) -> bytes:
+    """(h, w, 3) uint8 sRGB, top row first, as the bytes of a PNG."""
+    height, width, channels = picture.shape
+    spec = OpenImageIO.ImageSpec(width, height, channels, OpenImageIO.UINT8)
+    spec.attribute("oiio:ColorSpace", "sRGB")
+    image = OpenImageIO.ImageBuf(spec)
+    image.set_pixels(OpenImageIO.ROI(), np.ascontiguousarray(picture))
+    # OpenImageIO writes to names only.
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "picture.png"
+            if not image.write(str(path)):
+                raise OutputError("The picture could not be encoded.", known=image.geterror())
+            return path.read_bytes()
+    except OSError as error:
+        raise OutputError(
+            "The picture could not be encoded.", known=f"The system says: {error.strerror or error}."
+        ) from error
+
+
+def file_word(name: str) -> str:
+    """`name` as a part of a file name: letters, digits, dots, dashes and underscores."""
+    word = re.sub(r"[^\w.-]+", "-", name).strip(".-")
+    return word.encode()[:LONGEST_NAME].decode(errors="ignore") or "unnamed"
+
+
+def light_words(lights: Sequence[Light]) -> dict[int, str]:
+    """For each light, by its place in the list, a word for file names that no other light has."""
+    words = [file_word(light.name) for light in lights]
+    # Some file systems do not tell capitals.
+    often = Counter(word.casefold() for word in words)
+    unique = {}
+    for index, (light, word) in enumerate(zip(lights, words, strict=True)):
+        number = index if light.node is None else light.node
+        unique[index] = word if often[word.casefold()] == 1 else f"{word}.node{number}"
+    return unique

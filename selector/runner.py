@@ -1,0 +1,124 @@
+"""A candidate on its way through the views of one light: whatever happens to it, the others go on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field, replace
+
+from renderers.clock import ClockKind, StageClock
+from renderers.context import OutOfVideoMemoryError
+from renderers.error_figures import error_figures, mean_flip
+from renderers.frame import Frame, Picture
+from renderers.registry import technique
+from renderers.technique import ShadowPass
+from renderers.timing import timed_frame
+from scenes.errors import DeviceError
+from scenes.scene import Camera, Light, Mobility, Scene
+from selector.candidate import Candidate
+from selector.measurement import Measurement, Sample, Status, ViewRun
+from selector.truth import Reference
+
+
+@dataclass
+class Runner:
+    """One candidate for one light in one frame.
+
+    Attributes:
+        candidate: What is measured.
+        frame: Where it renders.
+        status: How it has fared so far; no more work is given to one that is not ok.
+        reason: Why it is not ok.
+        memory_bytes: What its pass holds on the device.
+        views: What was measured so far.
+    """
+
+    candidate: Candidate
+    frame: Frame
+    status: Status = Status.OK
+    reason: str = ""
+    memory_bytes: int = 0
+    views: list[ViewRun] = field(default_factory=list)
+    _pass: ShadowPass | None = None
+    _samples: list[Sample] = field(default_factory=list)
+
+    def prepare(self, light: Light, scene: Scene, alive: ExitStack) -> None:
+        """Make its pass, which lives as long as `alive`; or find out why there is none."""
+        method, settings = self.candidate.method, dict(self.candidate.settings)
+        with self._surviving(light):
+            refusal = method.refuses(light, scene, self.frame.gpu.device.limits, settings)
+            if refusal:
+                self.status, self.reason = Status.REFUSED, refusal
+                return
+            self._pass = alive.enter_context(method.prepare(self.frame, light, settings))
+            self.memory_bytes = self._pass.memory_bytes
+
+    def judge(
+        self, light: Light, camera: Camera, truth: Reference, clock: StageClock, timeout_s: float
+    ) -> Picture | None:
+        """Render once, untimed: figures and counters are kept, the picture is given; None on failure."""
+        assert self.status is Status.OK
+        assert self._pass is not None
+        frame = self.frame
+        with self._surviving(light):
+            start = time.perf_counter()
+            outcome = self._pass.render(clock, rebuild=True)
+            frame.gpu.ctx.finish()
+            seconds = time.perf_counter() - start
+            frame.shade()
+            mask, picture = frame.read_mask(), frame.read_picture()
+            counters = {name: int(count) for name, count in self._pass.count().items()}
+        if self.status is not Status.OK:
+            return None
+        figures = error_figures(mask, truth.lit, truth.domain, *truth.joined)
+        flip = mean_flip(picture, truth.picture)
+        self.views.append(ViewRun(camera.name, (), figures, flip, counters, truth.source, outcome.note))
+        if outcome.technique != self.candidate.technique:
+            self.status = Status.REFUSED
+            other = technique(outcome.technique).label
+            self.reason = f"{outcome.note or 'it gave up'}; {other} was drawn instead in view {camera.name}"
+        elif seconds > timeout_s:
+            self.status = Status.TIMEOUT
+            self.reason = f"a frame took {seconds:.1f} s in view {camera.name}"
+        return picture
+
+    def time(self, light: Light, index: int, kind: ClockKind) -> None:
+        """Time one frame as a dynamic and one as a static light, in round `index`."""
+        assert self._pass is not None
+        for mobility in (Mobility.DYNAMIC, Mobility.STATIC):
+            with self._surviving(light):
+                timed = timed_frame(self.frame, self._pass, kind, rebuild=mobility is Mobility.DYNAMIC)
+                self._samples.append(
+                    Sample(index, mobility, timed.shadow_ms, timed.frame_ms, timed.stages_ms)
+                )
+            if self.status is not Status.OK:
+                return
+
+    def close_view(self) -> None:
+        """Keep the samples taken since the last view with that view."""
+        if self._samples:
+            self.views[-1] = replace(self.views[-1], samples=tuple(self._samples))
+        self._samples = []
+
+    def release(self) -> None:
+        """Forget the pass, whose memory has been given back."""
+        self._pass = None
+
+    def result(self) -> Measurement:
+        """What was measured."""
+        return Measurement(self.candidate, self.status, self.reason, self.memory_bytes, tuple(self.views))
+
+    @contextmanager
+    def _surviving(self, light: Light) -> Iterator[None]:
+        """Whatever goes wrong in the block is this candidate's status, and nobody else's."""
+        try:
+            with self.frame.gpu.guard(f"{self.candidate.label} for {light.name}"):
+                yield
+        except OutOfVideoMemoryError as error:
+            self.status, self.reason = Status.OUT_OF_MEMORY, str(error)
+        except DeviceError as error:
+            self.status, self.reason = Status.GL_ERROR, str(error)
+        except Exception as error:  # noqa: BLE001  a bug in one technique must not cost the others' results
+            self.frame.gpu.ctx.clear_errors()
+            self.status, self.reason = Status.CRASHED, f"{type(error).__name__}: {error}"

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+from renderers.context import Gpu, OutOfVideoMemoryError, devices
+from scenes.errors import DeviceError
+
+
+def test_a_device_is_found_by_number_and_by_part_of_its_name(gpu: Gpu) -> None:
+    word = max(re.findall(r"\w+", gpu.device.renderer), key=len)
+    for wanted in (gpu.device.index, str(gpu.device.index), word, word.upper()):
+        with Gpu(wanted) as found:
+            assert found.device == gpu.device
+
+
+@pytest.mark.parametrize("wanted", ["no such device", "99", 99])
+def test_an_unknown_device_is_refused_with_those_there_are(gpu: Gpu, wanted: str | int) -> None:
+    with pytest.raises(DeviceError) as caught:
+        Gpu(wanted)
+    assert str(wanted) in str(caught.value)
+    assert gpu.device.renderer in str(caught.value)
+    assert caught.value.remedy
+
+
+def test_looking_for_devices_does_not_take_the_context_away(gpu: Gpu) -> None:
+    kept = gpu.ctx.buffer(b"still here")
+    assert gpu.device in list(devices())
+    assert kept.read() == b"still here"
+    with pytest.raises(DeviceError):
+        Gpu("no such device")
+    assert kept.read() == b"still here"
+    for device in devices():
+        assert kept.read() == b"still here", device
+    kept.release()
+
+
+def test_the_record_is_plain_and_complete(gpu: Gpu) -> None:
+    record = gpu.device.as_dict()
+    assert json.loads(json.dumps(record)) == record
+    assert gpu.device.gl_version.startswith("4.")
+    assert gpu.device.software == ("llvmpipe" in gpu.device.renderer)
+    # What OpenGL 4.5 itself guarantees.
+    assert gpu.device.limits.max_texture_side >= 16384
+    assert gpu.device.limits.max_buffer_bytes >= 2**27
+
+
+@pytest.mark.parametrize("bits", [24, 32])
+def test_a_depth_texture_keeps_what_its_bits_can_hold(gpu: Gpu, bits: int) -> None:
+    texture = gpu.depth_texture(8, 4, bits)
+    target = gpu.ctx.framebuffer(depth_attachment=texture)
+    target.use()
+    target.clear(depth=1e-9)
+    # Fixed point has steps of 6e-8; floating point keeps small values to seven digits.
+    value = float(memoryview(texture.read()).cast("f")[0])
+    gpu.release(target, texture)
+    assert value == (0.0 if bits == 24 else pytest.approx(1e-9, rel=1e-6))
+
+
+def test_a_gl_error_is_raised_once_with_its_place(gpu: Gpu) -> None:
+    from OpenGL import GL
+
+    def provoke() -> None:
+        GL.glEnable(0xFFFF)
+
+    with pytest.raises(DeviceError, match="the test"), gpu.guard("the test"):
+        provoke()
+    gpu.check("afterwards")
+
+
+def test_running_out_of_memory_has_its_own_error(gpu: Gpu) -> None:
+    import moderngl
+
+    message = "out of memory"
+    with pytest.raises(OutOfVideoMemoryError), gpu.guard("here"):
+        raise moderngl.Error(message)
+
+
+def test_cached_things_are_made_once(gpu: Gpu) -> None:
+    made: list[int] = []
+    for _ in range(2):
+        gpu.cached("test_cached_things", lambda: made.append(1) or "thing")
+    assert made == [1]
