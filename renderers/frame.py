@@ -9,6 +9,7 @@ from typing import Any, Self
 import moderngl
 import numpy as np
 import numpy.typing as npt
+from OpenGL import GL
 
 from renderers import shader
 from renderers.run_drawer import RunDrawer
@@ -23,6 +24,8 @@ Mask = npt.NDArray[np.float32]
 Picture = npt.NDArray[np.uint8]
 
 
+NOTHING_SEEN = np.zeros(4, np.uint32)
+INFINITELY_FAR = np.zeros(1, np.float32)
 # Of pictures where there is no surface, display-referred.
 SKY = (0.55, 0.58, 0.63)
 
@@ -38,14 +41,14 @@ class Frame:
         self.width, self.height = width, height
         ctx = self.gpu.ctx
         self.depth = self.gpu.depth_texture(width, height, bits=32)
-        self.normal = ctx.texture((width, height), 1, dtype="u4")
+        self.surface = ctx.texture((width, height), 2, dtype="u4")
         self.albedo = ctx.texture((width, height), 4)
         self.mask = ctx.texture((width, height), 1)
         self.domain = ctx.texture((width, height), 1)
         self.shaded = ctx.texture((width, height), 4)
-        for texture in (self.depth, self.normal, self.albedo, self.mask, self.domain, self.shaded):
+        for texture in (self.depth, self.surface, self.albedo, self.mask, self.domain, self.shaded):
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._surface_target = ctx.framebuffer([self.normal, self.albedo], self.depth)
+        self._surface_target = ctx.framebuffer([self.surface, self.albedo], self.depth)
         self._mask_target = ctx.framebuffer([self.mask], self.depth)
         self._domain_target = ctx.framebuffer([self.domain], self.depth)
         self._shaded_target = ctx.framebuffer([self.shaded], self.depth)
@@ -80,7 +83,7 @@ class Frame:
             self._domain_target,
             self._shaded_target,
             self.depth,
-            self.normal,
+            self.surface,
             self.albedo,
             self.mask,
             self.domain,
@@ -147,8 +150,7 @@ class Frame:
         """Clear, then run a full-screen pass on pixels that show a surface.
 
         The pass lies at infinity and is kept where the scene is nearer, so the depth test spares the sky: a
-        third less time on the bench's street. Depth is read and tested but not written, which
-        ARB_texture_barrier, part of OpenGL 4.5, allows.
+        third less time on the bench's street.
         """
         ctx = self.gpu.ctx
         target.use()
@@ -178,7 +180,9 @@ class Frame:
     def draw_surfaces(self) -> None:
         """Fill the G-buffer."""
         self._surface_target.use()
-        self._surface_target.clear(depth=0.0)
+        # glClear is undefined for integer targets; albedo is read only where a surface was drawn.
+        GL.glClearBufferuiv(GL.GL_COLOR, 0, NOTHING_SEEN)
+        GL.glClearBufferfv(GL.GL_DEPTH, 0, INFINITELY_FAR)
         self.world.bind_faces(4)
         ctx = self.gpu.ctx
         self._frame_block.bind_to_uniform_block(0)
@@ -187,8 +191,7 @@ class Frame:
         ctx.depth_func = ">"
         self._surface.draw(self._visible)
         ctx.enable_only(moderngl.NOTHING)
-        self.depth.use(0)
-        self.normal.use(1)
+        self.surface.use(0)
 
     def draw_domain(self) -> None:
         """Mark where a technique has to answer for the light."""
@@ -218,14 +221,13 @@ class Frame:
 
     def read_surfaces(self) -> Surfaces:
         """What the camera sees, rebuilt from the G-buffer exactly as the shaders do."""
-        depth = _rows(self.depth, np.float32, self.height).astype(np.float64)
-        packed = _rows(self.normal, np.uint32, self.height)
+        halves = _rows(self.surface, np.uint32, self.height).reshape(self.height, self.width, 2)
+        distance = np.ascontiguousarray(halves[..., 0]).view(np.float32).astype(np.float64)
         x = 2 * (np.arange(self.width) + 0.5) / self.width - 1
         y = 1 - 2 * (np.arange(self.height) + 0.5) / self.height
         rays = self.rays[2] + x[None, :, None] * self.rays[0] + y[:, None, None] * self.rays[1]
-        covered = depth > 0
-        distance = self.camera.near_m / np.where(covered, depth, 1)
-        normals = decode_octahedral(packed)
+        covered = distance > 0
+        normals = decode_octahedral(halves[..., 1])
         away = np.einsum("ijk,ijk->ij", normals, rays) > 0
         positions = self.world.origin + self.eye + rays * distance[..., None]
         return Surfaces(positions, np.where(away[..., None], -normals, normals), covered)

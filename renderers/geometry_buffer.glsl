@@ -1,4 +1,4 @@
-// Depth, packed geometric normal and albedo of the nearest surface.
+// View depth with the packed geometric normal, and albedo, of the nearest surface.
 #extension GL_ARB_shader_draw_parameters : require
 
 #section surface_vertex
@@ -15,11 +15,12 @@ void main() {
 #section surface_fragment
 layout(binding = 4) uniform usamplerBuffer faces;   // normal, albedo
 flat in int first_face;
-layout(location = 0) out uint normal;
+layout(location = 0) out uvec2 surface;
 layout(location = 1) out vec4 albedo;
 
 void main() {
     uvec2 face = texelFetch(faces, first_face + gl_PrimitiveID).xy;
-    normal = face.x;
+    // 1 / w is the reciprocal of the view depth; one fetch brings both halves back.
+    surface = uvec2(floatBitsToUint(1.0 / gl_FragCoord.w), face.x);
     albedo = unpackUnorm4x8(face.y);
 }

@@ -1,9 +1,9 @@
-// What the camera sees in a pixel that shows a surface, rebuilt from the G-buffer, and whether this light's shadow matters there.
+// What the camera sees in a pixel that shows a surface, rebuilt from the G-buffer, and whether this light's
+// shadow matters there.
 #include "frame.glsl"
 #include "light.glsl"
 
-layout(binding = 0) uniform sampler2D scene_depth;
-layout(binding = 1) uniform usampler2D scene_normal;
+layout(binding = 0) uniform usampler2D scene_surface;   // bits of the view depth, packed normal
 
 in vec2 uv;
 in vec3 view_ray;
@@ -24,10 +24,10 @@ vec3 decode_octahedral(uint halves) {
 }
 
 Receiver visible_receiver() {
-    float depth = texture(scene_depth, uv).r;
-    vec3 normal = decode_octahedral(texture(scene_normal, uv).r);
+    uvec2 surface = texture(scene_surface, uv).xy;
+    vec3 normal = decode_octahedral(surface.y);
     Receiver receiver;
-    receiver.position = eye_near.xyz + view_ray * (eye_near.w / depth);
+    receiver.position = eye_near.xyz + view_ray * uintBitsToFloat(surface.x);
     receiver.normal = dot(normal, view_ray) > 0.0 ? -normal : normal;
     return receiver;
 }
