@@ -6,6 +6,7 @@ reach. A mask is 1 where lit, 0 where shadowed, a fraction where filtered.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -34,6 +35,10 @@ normals stay well below, and a ledge is told from its floor unless seen at less 
 
 FLIP_PIXELS_PER_DEGREE = 67.02
 """FLIP's standard viewer: 0.7 m before a screen 0.7 m and 3840 pixels wide (Andersson et al. 2020)."""
+
+
+FLIP_REACH_DEGREES = 3 * math.sqrt(0.04 / (2 * math.pi**2))
+"""Three standard deviations of FLIP's widest filter, that of the blue-yellow channel (section 4.1)."""
 
 
 @dataclass(frozen=True)
@@ -164,13 +169,28 @@ def mean_flip(
     """
     assert image.shape == reference.shape
     assert image.shape[2:] == (3,)
+    changed = (image != reference).any(axis=2)
+    if not changed.any():
+        return 0.0
+    # Equal pixels count for nothing unless a filter reaches from them to unequal ones, and once more to the
+    # border of the part that is looked at.
+    window = _around(changed, 2 * (math.ceil(FLIP_REACH_DEGREES * pixels_per_degree) + 1))
     difference = OpenImageIO.ImageBufAlgo.FLIP_diff(
-        _linear_picture(reference), _linear_picture(image), hdr=0, ppd=pixels_per_degree
+        _linear_picture(reference[window]), _linear_picture(image[window]), hdr=0, ppd=pixels_per_degree
     )
     assert not difference.has_error, difference.geterror()
     error_map = difference.get_pixels(OpenImageIO.FLOAT)
     assert error_map is not None
-    return float(error_map.mean(dtype=np.float64))
+    return float(error_map.sum(dtype=np.float64)) / changed.size
+
+
+def _around(changed: Bools, margin: int) -> tuple[slice, slice]:
+    """The rows and columns that hold all True pixels, and `margin` more on each side where there are any."""
+    rows, columns = np.flatnonzero(changed.any(axis=1)), np.flatnonzero(changed.any(axis=0))
+    return (
+        slice(max(0, rows[0] - margin), rows[-1] + margin + 1),
+        slice(max(0, columns[0] - margin), columns[-1] + margin + 1),
+    )
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,10 @@ def test_the_choice_of_clock_is_made_once(gpu: Gpu, monkeypatch: pytest.MonkeyPa
     assert truthful_clock(gpu) is first
 
 
-@pytest.mark.parametrize(("ratio", "kind"), [(1.0, ClockKind.QUERY), (0.01, ClockKind.WALL), (9.0, ClockKind.WALL)])
+BELIEFS = [(1.0, ClockKind.QUERY), (0.01, ClockKind.WALL), (9.0, ClockKind.WALL)]
+
+
+@pytest.mark.parametrize(("ratio", "kind"), BELIEFS)
 def test_a_query_is_believed_only_where_it_agrees(
     gpu: Gpu, monkeypatch: pytest.MonkeyPatch, ratio: float, kind: ClockKind
 ) -> None:

@@ -3,7 +3,9 @@ from __future__ import annotations
 import json
 import re
 
+import moderngl
 import pytest
+from OpenGL import GL
 
 from renderers.context import Gpu, OutOfVideoMemoryError, devices
 from scenes.errors import DeviceError
@@ -60,8 +62,6 @@ def test_a_depth_texture_keeps_what_its_bits_can_hold(gpu: Gpu, bits: int) -> No
 
 
 def test_a_gl_error_is_raised_once_with_its_place(gpu: Gpu) -> None:
-    from OpenGL import GL
-
     def provoke() -> None:
         GL.glEnable(0xFFFF)
 
@@ -71,8 +71,6 @@ def test_a_gl_error_is_raised_once_with_its_place(gpu: Gpu) -> None:
 
 
 def test_running_out_of_memory_has_its_own_error(gpu: Gpu) -> None:
-    import moderngl
-
     message = "out of memory"
     with pytest.raises(OutOfVideoMemoryError), gpu.guard("here"):
         raise moderngl.Error(message)

@@ -5,11 +5,20 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import OpenImageIO
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import ndimage
 
-from renderers.error_figures import ErrorFigures, continuity, error_figures, mean_flip, over_views
+from renderers.error_figures import (
+    FLIP_PIXELS_PER_DEGREE,
+    ErrorFigures,
+    continuity,
+    error_figures,
+    mean_flip,
+    over_views,
+)
 from scenes.ray_caster import RayCaster
 from scenes.scene import Mesh, Scene
 from tests import tolerances
@@ -307,6 +316,23 @@ def test_flip_grows_with_the_shift_of_an_edge_and_fine_noise_fades_with_the_view
     grey = np.full_like(noise, 0.5)
     far, near = mean_flip(noise, grey, pixels_per_degree=134), mean_flip(noise, grey, pixels_per_degree=30)
     assert far < mean_flip(noise, grey) < near
+
+
+@given(st.integers(0, 1000))
+@settings(max_examples=15, deadline=None)
+def test_flip_of_the_changed_part_is_that_of_the_whole_picture(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    reference = ndimage.gaussian_filter(random.random((120, 160, 3)), (2, 2, 0)).astype(np.float32)
+    image = reference.copy()
+    top, left = random.integers(0, 110), random.integers(0, 150)
+    image[top : top + random.integers(1, 60), left : left + random.integers(1, 60)] *= random.random()
+    whole = OpenImageIO.ImageBufAlgo.FLIP_diff(
+        *(OpenImageIO.ImageBuf(np.ascontiguousarray(picture)) for picture in (reference, image)),
+        hdr=0,
+        ppd=FLIP_PIXELS_PER_DEGREE,
+    )
+    expected = whole.get_pixels(OpenImageIO.FLOAT).mean(dtype=np.float64)
+    assert mean_flip(image, reference) == pytest.approx(expected, rel=tolerances.FLOAT32_PICTURE)
 
 
 def test_flip_takes_uint8_for_srgb_and_floats_for_linear() -> None:

@@ -103,7 +103,8 @@ def test_a_missing_file_include_or_section_is_named(write: Write) -> None:
 @pytest.mark.parametrize("fault", ["nonsense;", "int a = ;", "int a = 1.0;", "none(1);"])
 def test_an_error_in_an_include_names_the_include_and_its_line(gpu: Gpu, write: Write, fault: str) -> None:
     write(
-        outer='// one\n#include "inner.glsl"\n#section s\nlayout(local_size_x = 1) in;\nvoid main() { f(); }\n',
+        outer='// one\n#include "inner.glsl"\n#section s\nlayout(local_size_x = 1) in;\n'
+        "void main() { f(); }\n",
         inner=f"// one\n// two\nvoid f() {{ {fault} }}\n",
     )
     with pytest.raises(ShaderError) as caught:
