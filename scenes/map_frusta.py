@@ -21,6 +21,8 @@ DEPTH_MARGIN = 0.02
 NEAREST = 1e-3
 # Beyond, a single perspective map wastes most texels on the rim; six faces do better.
 WIDEST_SINGLE_RAD = np.radians(75.0)
+# A cone without width still needs a map that has one.
+NARROWEST_RAD = 1e-6
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ def _orthographic(axes: Array, receivers: Array, shrink: float) -> Array:
 
 def _spot(light: Light, centre: Array, receivers: Array, shrink: float, *, focus: bool) -> Array:
     axes = light_axes(light)
-    slope = np.tan(light.outer_cone_rad)
+    slope = np.tan(max(light.outer_cone_rad, NARROWEST_RAD))
     window = np.array([[-slope, -slope], [slope, slope]])
     local = (receivers - centre) @ axes.T
     far = float(local[:, 2].max())

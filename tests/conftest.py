@@ -4,52 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
 import pytest
-from OpenGL import GL
 
 from renderers.context import Gpu
-
-SWITCHES = (
-    "DEPTH_TEST",
-    "BLEND",
-    "DEPTH_CLAMP",
-    "POLYGON_OFFSET_FILL",
-    "SCISSOR_TEST",
-    "CULL_FACE",
-    "STENCIL_TEST",
-    "COLOR_LOGIC_OP",
-    "RASTERIZER_DISCARD",
-    "PRIMITIVE_RESTART",
-)
-VALUES = (
-    "POLYGON_OFFSET_FACTOR",
-    "POLYGON_OFFSET_UNITS",
-    "COLOR_WRITEMASK",
-    "DEPTH_WRITEMASK",
-    "CLIP_ORIGIN",
-    "CLIP_DEPTH_MODE",
-    "FRONT_FACE",
-    "POLYGON_MODE",
-    "DRAW_INDIRECT_BUFFER_BINDING",
-)
-TEXTURE_UNITS = 8
-
-
-def gl_state() -> dict[str, object]:
-    """What a pass has to leave as it found it.
-
-    Depth and blend functions, the program and the framebuffer are not here: whoever draws sets them.
-    """
-    state: dict[str, object] = {name: bool(GL.glIsEnabled(getattr(GL, f"GL_{name}"))) for name in SWITCHES}
-    for name in VALUES:
-        state[name] = np.ravel(GL.glGetFloatv(getattr(GL, f"GL_{name}"))).tolist()
-    active = GL.glGetIntegerv(GL.GL_ACTIVE_TEXTURE)
-    for unit in range(TEXTURE_UNITS):
-        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
-        state[f"sampler {unit}"] = int(GL.glGetIntegerv(GL.GL_SAMPLER_BINDING))
-    GL.glActiveTexture(active)
-    return state
+from tests.gl_state import gl_state
 
 
 @pytest.fixture(scope="session")

@@ -44,7 +44,12 @@ def judge(
     """Compare a mask with what the light sees, in the pixels of the domain."""
     rays = RayCaster(scene)
     lit = np.zeros(mask.shape, bool)
-    lit[domain] = rays.lit(surfaces.positions[domain], surfaces.normals[domain], light)
+    lit[domain] = rays.lit(
+        surfaces.positions[domain],
+        surfaces.normals[domain],
+        light,
+        position_error=_rounding(surfaces.positions[domain], camera),
+    )
     wrong = domain & ((mask > 0.5) != lit)
     far = wrong & ~_near_edge(lit, domain) & (incidence(surfaces, light) >= tolerances.GRAZING)
     for row, column in np.argwhere(far):
@@ -54,6 +59,12 @@ def judge(
             or _on_a_mesh_edge(scene, surfaces, place, camera)
         )
     return Verdict(int(domain.sum()), wrong, far)
+
+
+def _rounding(points: Array, camera: Camera) -> Array:
+    """(n,) metres by which float32 view depth leaves points off their surface."""
+    distance: Array = np.linalg.norm(points - camera.position, axis=1)
+    return tolerances.VIEW_DEPTH * distance
 
 
 def _near_edge(lit: Bools, domain: Bools) -> Bools:
@@ -115,5 +126,7 @@ def _edge_within_a_pixel(
     directions = position - eye + across[:, None] * right + up[:, None] * np.asarray(camera.up)
     steps = (normal @ (position - eye)) / (directions @ normal)
     points = eye + steps[:, None] * directions
-    seen = rays.lit(points, np.broadcast_to(normal, points.shape), light)
+    seen = rays.lit(
+        points, np.broadcast_to(normal, points.shape), light, position_error=_rounding(points, camera)
+    )
     return bool(seen.any() and not seen.all())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import subprocess
@@ -21,7 +22,13 @@ QUICK = ("--resolution", "96x64", "--rounds", "1", "--techniques", "SV")
 
 def gnomon(*arguments: object, width: int = 100) -> Result:
     """Runs a command in this process."""
-    return CliRunner().invoke(app, [str(one) for one in arguments], env={"COLUMNS": str(width)})
+    # What a context leaves to the garbage collector is deleted in whatever context is current then: the
+    # program has one context and ends, the tests have many.
+    gc.collect()
+    result = CliRunner().invoke(app, [str(one) for one in arguments], env={"COLUMNS": str(width)})
+    result.exception, result.exc_info = None, None
+    gc.collect()
+    return result
 
 
 def answered(*arguments: object, exit_code: int = 0) -> Any:

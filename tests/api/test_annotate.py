@@ -18,6 +18,7 @@ from selector.measuring import Bench
 from tests.api.command import QUICK, answered, gnomon, succeeded
 from tests.small_level import POINT, SPOT, SUN, named, small_level, small_scene
 
+SIZE = ("--resolution", "96x64", "-o", "p.png")
 NOWHERE = Light("Nowhere", LightKind.POINT, position=(0.0, 900.0, 0.0), range_m=1.0)
 
 
@@ -396,3 +397,16 @@ def test_a_gltf_takes_its_files_along(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.stderr
     assert files(folder) == {"new.gltf", "small.bin"}
     assert read_level(folder / "new.gltf").scene.digest == small_scene().digest
+
+
+def test_what_the_reader_warns_of_is_told_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    level = small_level(tmp_path)
+    source = level.read_bytes()
+    # The same length, so that the file stays whole.
+    level.write_bytes(source.replace(b'"intensity":300.0', b'"intensity":-99.0'))
+    for command in (("annotate", level, *QUICK, "--light", "Lamp"), ("render", level, "-t", "SV", *SIZE)):
+        result = gnomon(*command, width=200)
+        assert result.exit_code == 0, result.stderr
+        assert "warning: " in result.stderr
+        assert "Lamp" in result.stderr

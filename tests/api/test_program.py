@@ -78,7 +78,7 @@ def test_a_missing_level_is_exit_3_and_one_block(tmp_path: Path) -> None:
 
 def test_ctrl_c_stops_cleanly(level: Path, tmp_path: Path) -> None:
     earlier = tmp_path / "small.annotated.glb"
-    assert started("annotate", level, *QUICK).returncode == 0
+    assert gnomon("annotate", level, *QUICK).exit_code == 0
     before = (level.read_bytes(), earlier.read_bytes())
     with running("annotate", level, *ENDLESS) as process:
         wait_for_line(process, "light 1 of 3")
@@ -95,7 +95,7 @@ def test_ctrl_c_stops_cleanly(level: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("in_place", [False, True])
 def test_kill_9_leaves_input_and_earlier_output_alone(level: Path, tmp_path: Path, in_place: bool) -> None:  # noqa: FBT001
     earlier = tmp_path / "small.annotated.glb"
-    assert started("annotate", level, *QUICK).returncode == 0
+    assert gnomon("annotate", level, *QUICK).exit_code == 0
     before = (level.read_bytes(), earlier.read_bytes())
     with running("annotate", level, *ENDLESS, *(["--in-place"] if in_place else [])) as process:
         wait_for_line(process, "light 1 of 3")

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from OpenGL import GL
 
 from renderers.context import DeviceLimits, Gpu
 from renderers.registry import GROUND_TRUTH, TECHNIQUES, UnknownTechniqueError, technique
 from renderers.technique import Settings, Technique
 from scenes.scene import Array, Camera, Light, LightKind, Mesh, Scene
 from tests import tolerances
+from tests.gl_state import gl_state, live_objects
 from tests.oracle import judge
 from tests.random_scenes import look_at, random_camera, random_light, random_scene
 from tests.rendering import framed, prepared, render_mask, untimed
@@ -77,7 +77,7 @@ def box_over_floor() -> Scene:
 
 
 def depth_in_shadow(kind: LightKind, points: Array) -> Array:
-    """Metres from points on the floor to the edge of the box's shadow, positive inside; from similar triangles."""
+    """Metres from points on the floor to the edge of the box's shadow, positive inside."""
     if kind is LightKind.DIRECTIONAL:
         low, high = np.array([0.25, -0.5]), np.array([1.75, 0.5])
     else:
@@ -100,8 +100,8 @@ def test_a_box_casts_the_shadow_that_similar_triangles_give(gpu: Gpu, case: Case
         else tolerances.SAMPLED_EDGE_TEXELS * extent / case.texels
     )
     dark, bright = inside > hair, inside < -hair
-    assert dark.sum() > 50
-    assert bright.sum() > 50
+    assert dark.sum() > 20
+    assert bright.sum() > 1000
     assert (mask[ground][dark] == 0).all()
     assert (mask[ground][bright] == 1).all()
     assert (mask[~domain] == 0).all()
@@ -217,26 +217,53 @@ def test_counters_are_exact_and_counting_changes_nothing(gpu: Gpu, case: Case) -
 
 
 @every_case
-def test_memory_is_accounted_for_and_given_back(gpu: Gpu, case: Case) -> None:
+def test_memory_is_accounted_for(gpu: Gpu, case: Case) -> None:
+    scene, light, camera = random_scene("fans", 0), random_light(case.kind, 0), random_camera(0)
+    skip_if_refused(gpu, case, scene, light)
+    with (
+        framed(gpu, scene, light, camera, SIZE) as frame,
+        prepared(frame, case.technique.name, case.settings) as shadow_pass,
+    ):
+        # A texel holds at least 16 bits.
+        assert shadow_pass.memory_bytes >= max(1, 2 * (case.texels or 0) ** 2)
+
+
+@every_kind
+def test_memory_is_given_back(gpu: Gpu, case: Case) -> None:
     scene, light, camera = random_scene("fans", 0), random_light(case.kind, 0), random_camera(0)
     skip_if_refused(gpu, case, scene, light)
     with framed(gpu, scene, light, camera, SIZE) as frame:
-        with prepared(frame, case.technique.name, case.settings) as shadow_pass:
-            assert shadow_pass.memory_bytes > 0
-            if case.texels is not None:
-                assert shadow_pass.memory_bytes >= case.texels**2 * 2
+        with prepared(frame, case.technique.name, case.settings) as first:
+            first.count()
+        del first
         gc.collect()
         alive = live_objects()
-        with prepared(frame, case.technique.name, case.settings) as shadow_pass:
-            shadow_pass.count()
-        gc.collect()
+        with prepared(frame, case.technique.name, case.settings) as second:
+            second.count()
+        # By the end of the pass, not by the garbage collector: `second` is still here.
         assert live_objects() == alive
+        del second
 
 
-def live_objects() -> list[int]:
-    """How many textures, buffers, framebuffers, vertex arrays and samplers there are."""
-    kinds = (GL.glIsTexture, GL.glIsBuffer, GL.glIsFramebuffer, GL.glIsVertexArray, GL.glIsSampler)
-    return [sum(bool(exists(name)) for name in range(1, 400)) for exists in kinds]
+@every_kind
+def test_what_comes_after_is_not_disturbed(gpu: Gpu, case: Case) -> None:
+    scene, light, camera = random_scene("closed boxes", 0), random_light(case.kind, 0), random_camera(0)
+    skip_if_refused(gpu, case, scene, light)
+    with framed(gpu, scene, light, camera, SIZE) as frame:
+        gpu.release()
+        before = gl_state()
+        with prepared(frame, case.technique.name, case.settings) as shadow_pass:
+            frame.shade()
+            after_technique = frame.read_picture()
+            gpu.release()
+            assert gl_state() == before
+            shadow_pass.count()
+            gpu.release()
+            assert gl_state() == before
+        # The same mask, shaded in a quiet state.
+        frame.draw_surfaces()
+        frame.shade()
+        assert np.array_equal(frame.read_picture(), after_technique)
 
 
 @every_kind
@@ -305,6 +332,7 @@ def test_a_light_that_reaches_nothing_has_nothing_to_answer(gpu: Gpu, case: Case
         replace(lamp, direction=(0.0, 1.0, 0.0)),
         replace(lamp, position=(0.0, -5.0, 0.0), direction=(0.0, 1.0, 0.0)),
         replace(lamp, position=(1e6, 5.0, 0.0), range_m=1.0),
+        replace(lamp, outer_cone_rad=0.0),
     ]
     for light in lights:
         with (
@@ -319,7 +347,7 @@ def test_a_light_that_reaches_nothing_has_nothing_to_answer(gpu: Gpu, case: Case
 
 
 def reaches_nothing(light: Light) -> bool:
-    """Whether `light` is one of those that cannot reach the box over the floor from where the camera sees it."""
+    """Whether `light` is one of those that reach nothing of the box and the floor that the camera sees."""
     if light.kind is LightKind.DIRECTIONAL:
         return light.direction[1] > 0
     below_or_away = light.kind is LightKind.SPOT and light.direction[1] > 0 and light.position[1] > 0

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gc
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from scenes.frusta import camera_view
 from scenes.ray_caster import RayCaster
 from scenes.scene import Array, Camera, Light, LightKind, Scene
 from tests import tolerances
+from tests.gl_state import live_objects
 from tests.oracle import incidence
 from tests.random_scenes import CLASSES, look_at, random_camera, random_light, random_scene
 from tests.rendering import framed
@@ -260,3 +262,15 @@ def inside(frame: Frame) -> bool:
     window = np.zeros_like(reached)
     window[frame.height - y - height : frame.height - y, x : x + width] = True
     return not (reached & ~window).any()
+
+
+def test_frames_and_worlds_give_everything_back(gpu: Gpu) -> None:
+    scene, light, camera = random_scene("fans", 0), random_light(LightKind.SPOT, 0), random_camera(0)
+    counts = []
+    for _ in range(3):
+        with framed(gpu, scene, light, camera, SIZE) as frame:
+            frame.shade()
+        del frame
+        gc.collect()
+        counts.append(live_objects())
+    assert counts[0] == counts[1] == counts[2]

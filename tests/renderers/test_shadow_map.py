@@ -99,7 +99,7 @@ def test_error_falls_as_the_map_grows(gpu: Gpu, kind: LightKind) -> None:
     shares = {}
     views = [
         (random_scene("closed boxes", seed), random_light(kind, seed), random_camera(seed))
-        for seed in range(5)
+        for seed in range(9)
     ]
     views.append(
         (box_over_floor(), light_at(kind, np.array([1.0, 5, 1]), np.zeros(3)), look_at((0, 5, 5), (0, 0, 0)))
@@ -113,7 +113,6 @@ def test_error_falls_as_the_map_grows(gpu: Gpu, kind: LightKind) -> None:
             found = judge(scene, mask, seen, domain, light, camera)
             wrong, judged = wrong + int(found.wrong.sum()), judged + found.domain_px
         shares[size] = wrong / judged
-    print(exponent(shares), shares)
     assert abs(exponent(shares) + 1) <= tolerances.MAP_EXPONENT, shares
     assert all(shares[small] > shares[large] for small, large in pairwise(sizes)), shares
 
@@ -217,16 +216,15 @@ def test_a_ball_of_boxes_round_a_lamp_is_right_across_all_faces(gpu: Gpu) -> Non
     ):
         camera = look_at(eye, target, yfov_rad=1.5)
         mask, seen, domain = render_mask(
-            gpu, scene, light, camera, (240, 180), "shadow_map", settings_of(1024)
+            gpu, scene, light, camera, (240, 180), "shadow_map", settings_of(128)
         )
         found = judge(scene, mask, seen, domain, light, camera)
         seam = domain & at_a_seam(seen.positions - np.asarray(light.position))
         near_seam, wrong_near = near_seam + int(seam.sum()), wrong_near + int((found.wrong & seam).sum())
         judged, wrong = judged + int(domain.sum()), wrong + int(found.wrong.sum())
     assert near_seam > 1000
-    print(wrong_near,near_seam,wrong,judged)
     # No worse beside a seam than elsewhere.
-    assert wrong_near / near_seam <= wrong / judged * 1.5
+    assert wrong_near / near_seam <= wrong / judged * tolerances.SEAM_RATIO
 
 
 def at_a_seam(from_light: Array) -> Bools:
@@ -280,7 +278,7 @@ def test_a_map_focused_on_the_view_shows_the_same_shadows(gpu: Gpu, kind: LightK
         judged += int(domain.sum())
     assert differing <= tolerances.SAMPLED_WRONG / side * judged
     # Fewer texels are spent where nobody looks.
-    assert wrong["view"] <= wrong["light"] * 1.1
+    assert wrong["view"] <= wrong["light"] * tolerances.FOCUS_RATIO
 
 
 def test_a_caster_out_of_range_or_cone_is_not_drawn(gpu: Gpu) -> None:

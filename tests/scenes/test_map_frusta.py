@@ -35,7 +35,7 @@ def any_light(kind: LightKind, random: np.random.Generator, scale: float) -> Lig
 
 def any_bounds(random: np.random.Generator, scale: float) -> Array:
     """A box around zero; now and then flat."""
-    half = scale * random.uniform(0.2, 2, 3) * (random.random(3) < 0.85)
+    half = scale * random.uniform(0.2, 2, 3) * np.maximum(random.random(3) < 0.85, [0, 0, 1])
     return np.stack([-half, half])
 
 

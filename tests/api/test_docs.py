@@ -1,0 +1,88 @@
+"""docs/commands.md names every command and every option, and shows JSON that is what comes out."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+
+from api.cli.failures import EXIT_INCOMPLETE, EXIT_INTERNAL, EXIT_INTERRUPTED, EXIT_USAGE
+from api.cli.main import app
+from scenes.errors import DeviceError, GnomonError, LevelError, OutputError
+from tests.api.command import QUICK, answered
+from tests.small_level import small_level
+
+PAGE = (Path(__file__).parents[2] / "docs/commands.md").read_text()
+COMMANDS = sorted(command.callback.__name__ for command in app.registered_commands if command.callback)
+SECTIONS = {
+    part.partition("\n")[0].strip("`").removeprefix("gnomon "): part for part in PAGE.split("\n## ")[1:]
+}
+
+
+def options(command: str) -> list[str]:
+    group = get_command(app)
+    parameters = group.commands[command].params  # type: ignore[attr-defined]
+    return [name for parameter in parameters for name in parameter.opts if name.startswith("-")]
+
+
+def shown_json(command: str) -> object:
+    """The keys of the first JSON example of a section, comments taken out."""
+    (text,) = re.findall(r"```json\n(.*?)```", SECTIONS[command], re.DOTALL)[:1]
+    return json.loads(text)
+
+
+def test_every_command_has_a_section() -> None:
+    assert set(COMMANDS) == {"annotate", "inspect", "render", "devices"}
+    assert set(COMMANDS) <= set(SECTIONS)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_is_in_its_section(command: str) -> None:
+    assert options(command)
+    missing = [name for name in options(command) if not re.search(rf"`[^`]*{name}\b", SECTIONS[command])]
+    assert missing == []
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_no_option_is_made_up(command: str) -> None:
+    known = {name for one in COMMANDS for name in options(one)} | {"--version", "--help", "-h"}
+    named = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", SECTIONS[command]))
+    assert named <= known
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_section_has_an_example(command: str) -> None:
+    assert f"\ngnomon {command}" in SECTIONS[command]
+
+
+def test_every_exit_code_is_in_the_table() -> None:
+    codes = [0, EXIT_INTERNAL, EXIT_USAGE, EXIT_INCOMPLETE, EXIT_INTERRUPTED]
+    codes += [error.exit_code for error in (GnomonError, LevelError, DeviceError, OutputError)]
+    for code in set(codes):
+        assert re.search(rf"^\| {code} \|", PAGE, re.MULTILINE), code
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_json_that_is_shown_has_the_keys_that_come_out(command: str, tmp_path: Path) -> None:
+    level = small_level(tmp_path)
+    arguments = {
+        "annotate": [level, *QUICK],
+        "inspect": [level],
+        "render": [level, "--resolution", "96x64", "-t", "SV", "-o", tmp_path / "p.png"],
+        "devices": [],
+    }
+    assert keys(shown_json(command)) == keys(answered(command, *arguments[command]))
+
+
+def keys(value: object) -> object:
+    """The shape of a JSON value: keys, and the shape of the first entry of each list."""
+    if isinstance(value, dict):
+        # What differs by technique, and what a reader need not see.
+        free = ("settings", "counters", "stages_ms", "runner_up", "runner-up")
+        return {key: None if key in free else keys(entry) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [keys(value[0])] if value and isinstance(value[0], dict) else []
+    return None
