@@ -181,7 +181,7 @@ def mean_flip(
     assert not difference.has_error, difference.geterror()
     error_map = difference.get_pixels(OpenImageIO.FLOAT)
     assert error_map is not None
-    return float(error_map.sum(dtype=np.float64)) / changed.size
+    return float(np.sum(error_map, dtype=np.float64) / changed.size)
 
 
 def _around(changed: Bools, margin: int) -> tuple[slice, slice]:

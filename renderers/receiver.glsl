@@ -27,7 +27,7 @@ Receiver visible_receiver() {
     uvec2 surface = texture(scene_surface, uv).xy;
     vec3 normal = decode_octahedral(surface.y);
     Receiver receiver;
-    receiver.position = eye_near.xyz + view_ray * uintBitsToFloat(surface.x);
+    receiver.position = eye_rounding.xyz + view_ray * uintBitsToFloat(surface.x);
     receiver.normal = dot(normal, view_ray) > 0.0 ? -normal : normal;
     return receiver;
 }

@@ -3,42 +3,40 @@
 
 layout(std140, binding = 2) uniform MapBlock {
     mat4 atlas_from_scene[6];   // homogeneous atlas coordinates and depth, all in [0, 1]
-    vec4 texel_offset;          // size of a texel in atlas coordinates, normal offset in texels,
-                                // largest coordinate of the scene
+    vec4 texel_offset;          // size of a texel in atlas coordinates, normal offset in texels, 0
 };
 layout(binding = 2) uniform sampler2DShadow map;
 layout(location = 0) out float lit;
 
-// Twice the least that leaves no plane facing the light in its own shadow, seen from 0.2 to 300 scene sizes.
-const float FLOAT32_STEPS = 4.8e-7;
+// The least length of a normal as it is decoded, in the diagonals of the octahedron.
+const float SHORTEST_NORMAL = 0.57735;
 
-// Side of a map texel at the place that projects to `q`, the longer of the two, in scene units: texels over
-// the gradient of the projection.
-float texel_side(mat4 map_matrix, vec4 q) {
+// Square of the side of a map texel at the place that projects to `q`, the longer of the two, in scene units:
+// texels over the gradient of the projection.
+float texel_side_squared(mat4 map_matrix, vec4 q) {
     vec3 row_w = vec3(map_matrix[0].w, map_matrix[1].w, map_matrix[2].w);
-    vec2 ratio = q.xy / q.w;
+    vec2 ratio = q.xy * (1.0 / q.w);
     vec3 gradient_x = vec3(map_matrix[0].x, map_matrix[1].x, map_matrix[2].x) - ratio.x * row_w;
     vec3 gradient_y = vec3(map_matrix[0].y, map_matrix[1].y, map_matrix[2].y) - ratio.y * row_w;
-    vec2 squared = texel_offset.xy * texel_offset.xy / vec2(dot(gradient_x, gradient_x), dot(gradient_y, gradient_y));
-    return q.w * sqrt(max(squared.x, squared.y));
-}
-
-// How far, in scene units, float32 may leave a receiver off its surface. Polygon offset does not know it: facing
-// the light it may exceed any slope, and where the map's depth range is short any number of depth units.
-float position_rounding() {
-    return FLOAT32_STEPS * (texel_offset.w + length(eye_near.xyz));
+    float x = dot(gradient_x, gradient_x), y = dot(gradient_y, gradient_y);
+    vec2 texel = texel_offset.xy * texel_offset.xy;
+    return q.w * q.w * max(texel.x * y, texel.y * x) / (x * y);
 }
 
 // The receiver is moved along its normal by a share of a texel, less the more it faces the light, and by what
-// its position is rounded to.
+// its position is rounded to: polygon offset does not know of that, and facing the light it may exceed any slope.
 float compared(mat4 map_matrix, Receiver receiver) {
     vec3 to_light = towards_light(receiver.position);
     float normal_squared = dot(receiver.normal, receiver.normal);
+    float light_squared = dot(to_light, to_light);
     float cosine = dot(receiver.normal, to_light);
-    float sine_squared = max(1.0 - cosine * cosine / (normal_squared * dot(to_light, to_light)), 0.0);
     vec4 q = map_matrix * vec4(receiver.position, 1.0);
-    float moved = texel_offset.z * texel_side(map_matrix, q) * sqrt(sine_squared) + position_rounding();
-    return textureProj(map, q + map_matrix * vec4(moved * inversesqrt(normal_squared) * receiver.normal, 0.0));
+    float sine_squared = max(normal_squared * light_squared - cosine * cosine, 0.0);
+    // Both divided by the square of the normal's length, which the normal itself brings back.
+    float share = sine_squared / (normal_squared * normal_squared * light_squared);
+    float moved = texel_offset.z * sqrt(texel_side_squared(map_matrix, q) * share)
+        + eye_rounding.w / SHORTEST_NORMAL;
+    return textureProj(map, q + map_matrix * vec4(moved * receiver.normal, 0.0));
 }
 
 #section one_face

@@ -142,9 +142,7 @@ class ShadowMapPass:
         for index, face in enumerate(self._fit.faces):
             matrices[index] = (self._map.atlas_from_clip(index) @ face).T
         texels = np.array([self._map.columns, self._map.rows], float) * self._side
-        world = self._frame.world
-        largest = np.abs(world.scene.bounds - world.origin).max()
-        return matrices.tobytes() + np.array([*(1 / texels), self._normal_offset, largest], "f4").tobytes()
+        return matrices.tobytes() + np.array([*(1 / texels), self._normal_offset, 0], "f4").tobytes()
 
     def _compare(self) -> None:
         self._block.bind_to_uniform_block(2)

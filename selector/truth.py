@@ -22,6 +22,10 @@ from selector.measurement import Truth
 Bools = npt.NDArray[np.bool_]
 
 
+# Positions rebuilt from the G-buffer are off by up to 1.5e-7 of their distance from the eye.
+POSITION_ERROR = 2e-7
+
+
 @dataclass(frozen=True)
 class Reference:
     """One view as it should look; pictures have their top row first.
@@ -99,7 +103,11 @@ class Oracle:
         if self._caster is None:
             self._caster = RayCaster(self._frame.world.scene)
         lit = np.zeros(domain.shape, bool)
-        lit[domain] = self._caster.lit(surfaces.positions[domain], surfaces.normals[domain], light)
+        seen = surfaces.positions[domain]
+        distance = np.linalg.norm(seen - np.asarray(self._frame.camera.position), axis=1)
+        lit[domain] = self._caster.lit(
+            seen, surfaces.normals[domain], light, position_error=POSITION_ERROR * distance
+        )
         return lit
 
     def disagreement(self, light: Light, reference: Reference) -> float:
