@@ -61,6 +61,6 @@ class Canary:
 
     def release(self) -> None:
         """Give the GPU memory back."""
-        self._pass.__exit__(None, None, None)
-        self._frame.__exit__(None, None, None)
+        self._pass.release()
+        self._frame.release()
         self._world.release()

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -12,6 +11,7 @@ import numpy.typing as npt
 from OpenGL import GL
 
 from renderers import shader
+from renderers.owner import Owner
 from renderers.run_drawer import RunDrawer
 from renderers.world import World
 from scenes.convex import clip_planes
@@ -33,7 +33,7 @@ INFINITELY_FAR = np.zeros(1, np.float32)
 SKY = (0.55, 0.58, 0.63)
 
 
-class Frame:
+class Frame(Owner):
     """Targets and uniform blocks for one resolution; `look` aims it at a camera, `shine` at a light.
 
     A context manager that gives its GPU memory back.
@@ -72,13 +72,7 @@ class Frame:
         self._domain = shader.full_screen(self.gpu, shader.source("shading.glsl", "domain"))
         self._shade = shader.full_screen(self.gpu, shader.source("shading.glsl", "shade"))
 
-    def __enter__(self) -> Self:
-        """The frame itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def release(self) -> None:
         """Give the GPU memory back."""
         self.gpu.release(
             self._surface_target,

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Self
 
 import moderngl
 import numpy as np
@@ -14,7 +12,7 @@ from renderers.clock import StageClock
 from renderers.context import DeviceLimits
 from renderers.frame import Frame
 from renderers.map_pass import MapPass, atlas_shape
-from renderers.technique import Counters, Outcome, Settings
+from renderers.technique import Counters, Outcome, Settings, ShadowPass
 from scenes.convex import clip_planes
 from scenes.frusta import reach
 from scenes.map_frusta import MapFit, faces_of, fit_map
@@ -72,7 +70,7 @@ class ShadowMap:
         return ShadowMapPass(frame, light, settings)
 
 
-class ShadowMapPass:
+class ShadowMapPass(ShadowPass):
     """One map with its settings, for one frame."""
 
     def __init__(self, frame: Frame, light: Light, settings: Settings) -> None:
@@ -97,13 +95,7 @@ class ShadowMapPass:
         self._block = gpu.ctx.buffer(reserve=6 * 64 + 16)
         self._built = False
 
-    def __enter__(self) -> Self:
-        """The pass itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def release(self) -> None:
         """Give the GPU memory back."""
         self._map.release()
         self._frame.gpu.release(self._sampler, self._visibility, self._block)

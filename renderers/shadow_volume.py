@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Self
 
 from renderers import shader
 from renderers.clock import StageClock
 from renderers.context import DeviceLimits
 from renderers.frame import Frame
-from renderers.technique import Counters, Outcome, Settings
+from renderers.technique import Counters, Outcome, Settings, ShadowPass
 from renderers.volume_pass import BYTES_PER_PIECE, VolumePass
 from scenes.scene import Light, LightKind, Scene
 
@@ -44,7 +42,7 @@ class ShadowVolume:
         return ShadowVolumePass(frame)
 
 
-class ShadowVolumePass:
+class ShadowVolumePass(ShadowPass):
     """The volumes of one light in one frame."""
 
     def __init__(self, frame: Frame) -> None:
@@ -56,13 +54,7 @@ class ShadowVolumePass:
         self.memory_bytes = self._volumes.memory_bytes
         self._built = False
 
-    def __enter__(self) -> Self:
-        """The pass itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def release(self) -> None:
         """Give the GPU memory back."""
         self._volumes.release()
         self._frame.gpu.release(self._visibility)

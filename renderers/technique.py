@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Protocol, Self
+from typing import Protocol
 
 from renderers.clock import StageClock
 from renderers.context import DeviceLimits
 from renderers.frame import Frame
+from renderers.owner import Owner
 from scenes.scene import Light, LightKind, Scene
 
 Setting = str | int | float | bool
@@ -32,32 +33,22 @@ class Outcome:
     note: str = ""
 
 
-class ShadowPass(Protocol):
-    """One technique with its settings, ready to render into one frame; a context manager."""
+class ShadowPass(Owner):
+    """One technique with its settings, ready to render into one frame."""
 
     memory_bytes: int
 
+    @abstractmethod
     def render(self, clock: StageClock, *, rebuild: bool) -> Outcome:
         """Fill the frame's mask for the light and camera it is aimed at. The only timed call.
 
         With `rebuild` off, what the last call made is kept where it does not depend on the camera: the light
         and the scene must not have moved since.
         """
-        ...
 
+    @abstractmethod
     def count(self) -> Counters:
         """Exact work counters of the frame just rendered. Never timed; may render again."""
-        ...
-
-    def __enter__(self) -> Self:
-        """The pass itself."""
-        ...
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Give the GPU memory back."""
-        ...
 
 
 class Technique(Protocol):

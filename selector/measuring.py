@@ -6,13 +6,12 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Self
 
 from renderers.canary import Canary
 from renderers.clock import StageClock, truthful_clock
 from renderers.context import Gpu
 from renderers.frame import Frame, Picture
+from renderers.owner import Owner
 from renderers.world import World
 from scenes.scene import Camera, Light, Scene
 from selector.candidate import Candidate
@@ -55,7 +54,7 @@ class Plan:
         return views * (candidates + self.rounds)
 
 
-class Bench:
+class Bench(Owner):
     """A scene on a device, ready to measure its lights. A context manager that gives GPU memory back.
 
     Raises:
@@ -72,15 +71,9 @@ class Bench:
             self._canary = Canary(gpu, self._clock_kind)
         self._oracle = Oracle(self._frame, self._silent, plan.timeout_s)
 
-    def __enter__(self) -> Self:
-        """The bench itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def release(self) -> None:
         """Give the GPU memory back."""
-        self._frame.__exit__(kind, error, trace)
+        self._frame.release()
         self._canary.release()
         self._world.release()
 
