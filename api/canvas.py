@@ -58,12 +58,19 @@ class Canvas:
         """
         if not text:
             return
-        start = x - text_width(text, size, font) if right else x
-        image = OpenImageIO.ImageBuf(self.picture)
+        width = text_width(text, size, font)
+        left = max((x - width if right else x) - size, 0)
+        top = max(baseline - 2 * size, 0)
+        # A strip around the line: handing over the whole picture for every line takes a second a sheet.
+        strip = self.picture[top : baseline + size, left : left + width + 2 * size]
+        image = OpenImageIO.ImageBuf(np.ascontiguousarray(strip))
+        start = (x - width if right else x) - left
         channels = tuple(channel / 255 for channel in color)
-        if not OpenImageIO.ImageBufAlgo.render_text(image, start, baseline, text, size, font, channels):
+        if not OpenImageIO.ImageBufAlgo.render_text(image, start, baseline - top, text, size, font, channels):
             raise _no_text(image.geterror())
-        self.picture = np.ascontiguousarray(image.get_pixels(OpenImageIO.UINT8))
+        drawn = image.get_pixels(OpenImageIO.UINT8)
+        assert drawn is not None, image.geterror()
+        strip[:] = drawn
 
 
 def text_width(text: str, size: int, font: str = REGULAR) -> int:

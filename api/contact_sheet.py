@@ -28,7 +28,8 @@ TILE_WIDTH = 448
 CAPTION_HEIGHT = 64
 MARGIN, GAP, PADDING = 36, 28, 14
 HEADER_HEIGHT = 128
-ZOOM, CROP = 4, 36
+ZOOM, CROP, SMALLEST_CROP = 4, 36, 8
+INSET_SHARE = 0.6
 FRAME = 5
 
 
@@ -80,7 +81,7 @@ def contact_sheet(
         _Tile(truth, "Truth", _source(measurements), DIM),
         *(_tile(one, pictures.get(one.candidate), recommendation) for one in measurements),
     ]
-    picture_height = max(1, round(TILE_WIDTH * truth.shape[0] / truth.shape[1]))
+    picture_height = min(max(round(TILE_WIDTH * truth.shape[0] / truth.shape[1]), 1), TILE_WIDTH)
     tile_height = picture_height + CAPTION_HEIGHT
     rows = ceil(len(tiles) / COLUMNS)
     canvas = Canvas(
@@ -88,7 +89,9 @@ def contact_sheet(
         HEADER_HEIGHT + rows * tile_height + (rows - 1) * GAP + MARGIN,
         BACKGROUND,
     )
-    window = _most_different(truth, list(pictures.values()))
+    width = _width_at(picture_height, truth)
+    side = min(CROP, *truth.shape[:2], round(INSET_SHARE * min(picture_height, width)) // ZOOM)
+    window = _most_different(truth, list(pictures.values()), side)
     _draw_header(canvas, texts, recommendation, magnified=window is not None)
     for index, tile in enumerate(tiles):
         x = MARGIN + (index % COLUMNS) * (TILE_WIDTH + GAP)
@@ -111,7 +114,7 @@ def _tile(one: Measurement, picture: Picture | None, recommendation: Recommendat
     rated = next(rated for rated in recommendation.rated if rated.candidate == one.candidate)
     chosen = rated == recommendation.chosen
     off = (
-        "shows too little edge to judge"
+        "too little edge to judge"
         if rated.edge_error_px is None
         else f"edge off by {rated.edge_error_px:.2f} px"
     )
@@ -120,14 +123,18 @@ def _tile(one: Measurement, picture: Picture | None, recommendation: Recommendat
     return _Tile(picture, label, f"{rated.shadow_ms:.1f} ms,  {off}", GOOD if good else BAD, badge, chosen)
 
 
-def _most_different(truth: Picture, pictures: Sequence[Picture]) -> tuple[int, int, int] | None:
-    """Left, top and side of the square in which the pictures differ most from the truth; None if nowhere."""
+def _width_at(height: int, picture: Picture) -> int:
+    across = int(picture.shape[1])
+    return min(TILE_WIDTH, max(round(height * across / len(picture)), 1))
+
+
+def _most_different(truth: Picture, pictures: Sequence[Picture], side: int) -> tuple[int, int, int] | None:
+    """Left, top and side of the square where pictures differ most from the truth; None if nowhere."""
     difference = np.zeros(truth.shape[:2])
     for picture in pictures:
         difference += np.abs(picture.astype(np.int32) - truth).sum(axis=2)
-    if not difference.any():
+    if not difference.any() or side < SMALLEST_CROP:
         return None
-    side = min(CROP, *truth.shape[:2])
     sums = np.pad(difference, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
     windows: npt.NDArray[np.float64] = (
         sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
@@ -158,9 +165,12 @@ def _draw_tile(
         for row, line in enumerate(wrapped(tile.caption, TILE_WIDTH - 2 * PADDING, 15, max(1, height // 24))):
             canvas.text(x + PADDING, y + 34 + 22 * row, line, 15, tile.color)
     else:
-        canvas.paste(x, y, resized(tile.picture, TILE_WIDTH, height))
+        # Upright pictures get bars at their sides.
+        width = _width_at(height, tile.picture)
+        left = x + (TILE_WIDTH - width) // 2
+        canvas.paste(left, y, resized(tile.picture, width, height))
         if window is not None:
-            _draw_inset(canvas, x, y, height, tile.picture, window)
+            _draw_inset(canvas, (left, y, width, height), tile.picture, window)
     baseline = y + height + 26
     color = CHOSEN if tile.chosen else BRIGHT
     canvas.text(x + PADDING, baseline, tile.title, 19, color, font=BOLD)
@@ -171,19 +181,21 @@ def _draw_tile(
 
 
 def _draw_inset(
-    canvas: Canvas, x: int, y: int, height: int, picture: Picture, window: tuple[int, int, int]
+    canvas: Canvas, area: tuple[int, int, int, int], picture: Picture, window: tuple[int, int, int]
 ) -> None:
     """The magnified square in the corner that is farthest from it, and a frame where it comes from."""
-    left, top, side = window
-    scale = TILE_WIDTH / picture.shape[1]
+    (x, y, width, height), (left, top, side) = area, window
+    scale = width / picture.shape[1]
     crop = picture[top : top + side, left : left + side].repeat(ZOOM, axis=0).repeat(ZOOM, axis=1)
-    shown = min(len(crop), height - 4 * FRAME)
-    crop = crop[:shown, :shown]
+    shown = len(crop)
     lies_right = (left + side / 2) * 2 > picture.shape[1]
     lies_low = (top + side / 2) * 2 > picture.shape[0]
-    corner_x = x + 2 * FRAME if lies_right else x + TILE_WIDTH - shown - 2 * FRAME
+    corner_x = x + 2 * FRAME if lies_right else x + width - shown - 2 * FRAME
     corner_y = y + 2 * FRAME if lies_low else y + height - shown - 2 * FRAME
-    box_x, box_y, box = x + round(left * scale), y + round(top * scale), round(side * scale)
-    canvas.frame(box_x + 1, box_y + 1, max(box - 2, 1), max(box - 2, 1), INSET, 1)
+    box_x, box_y, box = x + round(left * scale), y + round(top * scale), max(round(side * scale), 3)
+    canvas.frame(box_x + 1, box_y + 1, box - 2, box - 2, BACKGROUND, 2)
+    canvas.frame(box_x + 1, box_y + 1, box - 2, box - 2, INSET, 1)
+    # White in black, so that it shows on any picture.
+    canvas.frame(corner_x, corner_y, shown, shown, BACKGROUND, 3)
+    canvas.frame(corner_x, corner_y, shown, shown, INSET, 2)
     canvas.paste(corner_x, corner_y, crop)
-    canvas.frame(corner_x, corner_y, shown, shown, INSET, 1)

@@ -64,6 +64,6 @@ class PictureFolder:
         views = f"times and errors over {len(seen.cameras)} views" if len(seen.cameras) > 1 else "one view"
         return SheetTexts(
             f"{seen.light.name} ({seen.light.kind} light)",
-            f"{self._level.path.name}, seen by {seen.cameras[0].name} at "
+            f"{self._level.path.name}, view {seen.cameras[0].name!r} at "
             f"{measurement.width}x{measurement.height}; {views} on {measurement.device.renderer}",
         )

@@ -86,7 +86,11 @@ class Gpu:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """End the context."""
+        """End the context, and what it made for itself."""
+        for made in (self._parked, *self._cache.values()):
+            if hasattr(made, "release"):
+                made.release()
+        self._cache.clear()
         self.ctx.release()
 
     def cached(self, key: object, make: Callable[[], Made]) -> Made:

@@ -12,6 +12,7 @@ from rich.text import Text
 from api.annotating import Order, Workload, clear_level, result_record, workload, write_results
 from api.cli.annotation_table import print_answers
 from api.cli.failures import EXIT_INCOMPLETE, InterruptedRunError, report
+from api.cli.level_warnings import print_warnings
 from api.cli.progress import MeasuringProgress
 from api.cli.terminal import errors, print_json, printable, results
 from api.wording import counted
@@ -92,6 +93,7 @@ def _announce(console: Console, work: Workload) -> None:
         f"on {work.device.renderer}"
     )
     console.print(Text(printable(text)), soft_wrap=True)
+    print_warnings(console, work.level)
     if work.forgotten:
         console.print(
             Text.assemble(

@@ -75,6 +75,7 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
 ) -> None:
     """Render one light by one technique into a PNG, and say what it cost and how wrong it is."""
     # OpenGL and images are loaded by the commands that need them, so that --help is there at once.
+    from api.cli.level_warnings import print_warnings  # noqa: PLC0415
     from api.cli.render_report import print_rendering  # noqa: PLC0415
     from api.cli.terminal import errors, print_json, results  # noqa: PLC0415
     from api.rendering import Order, rendered  # noqa: PLC0415
@@ -94,6 +95,7 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
     )
     with errors().status("rendering"):
         rendering = rendered(order)
+    print_warnings(errors(), rendering.level)
     if as_json:
         print_json(rendering.record())
     else:
