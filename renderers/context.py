@@ -3,7 +3,7 @@
 Clip space is z in [0, 1] everywhere (ARB_clip_control). Cameras use reversed depth with the far plane at
 infinity, 32-bit float: a point at infinity has depth exactly 0, so volumes extruded to infinity need no
 depth clamp, and relative precision is the same near and far (Reed 2015, "Depth precision visualized").
-Light maps use ordinary depth, 0 near and 1 far.
+Light maps use reversed depth too, between two planes.
 """
 
 from __future__ import annotations

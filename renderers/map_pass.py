@@ -40,7 +40,7 @@ class MapPass:
         self.world, self.side, self.offset = world, side, offset
         gpu = world.gpu
         self.columns, self.rows = atlas_shape(faces)
-        self.texture = gpu.depth_texture(self.columns * side, self.rows * side, bits=24)
+        self.texture = gpu.depth_texture(self.columns * side, self.rows * side, bits=32)
         self.memory_bytes = self.columns * self.rows * side * side * BYTES_PER_TEXEL
         self._target = gpu.ctx.framebuffer(depth_attachment=self.texture)
         self._program = shader.program(
@@ -59,11 +59,13 @@ class MapPass:
         self._target.use()
         self._target.scissor = (0, 0, *self._target.size)
         self._target.viewport = self._target.scissor
-        self._target.clear(depth=1.0)
+        self._target.clear(depth=0.0)
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.enable_direct(DEPTH_CLAMP)
-        ctx.depth_func = "<"
-        ctx.polygon_offset = self.offset
+        ctx.depth_func = ">"
+        slope, units = self.offset
+        # Away from the light, which in reversed depth is down.
+        ctx.polygon_offset = (-slope, -units)
         for index, face in enumerate(fit.faces):
             if face.any():
                 self._draw_face(face, index, self._runs(face, within))

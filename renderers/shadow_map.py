@@ -87,7 +87,7 @@ class ShadowMapPass(ShadowPass):
         gpu = frame.gpu
         kernel = moderngl.LINEAR if self._linear else moderngl.NEAREST
         self._sampler = gpu.ctx.sampler(
-            filter=(kernel, kernel), compare_func="<=", repeat_x=False, repeat_y=False
+            filter=(kernel, kernel), compare_func=">=", repeat_x=False, repeat_y=False
         )
         self._visibility = shader.full_screen(
             gpu, shader.source("shadow_map.glsl", "one_face" if self._faces == 1 else "six_faces")

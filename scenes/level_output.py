@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from scenes.atomic_file import output_error, write_atomically
@@ -12,6 +13,49 @@ from scenes.errors import LevelError, OutputError
 from scenes.formats.registry import LevelFormat
 
 _ELSEWHERE = "Write the level into another folder with -o, or move that file away."
+
+
+@dataclass(frozen=True)
+class Luggage:
+    """The files that a level names, as seen from the place that it goes to. Paths as the level names them.
+
+    Attributes:
+        missing: Those of its folder that have to be copied.
+        left_behind: Those outside its folder that would have to be put there by hand: only what lies beside
+            a level goes with it.
+    """
+
+    missing: tuple[Path, ...]
+    left_behind: tuple[Path, ...]
+
+
+def luggage(source_path: Path, target: Path, data: bytes, level_format: LevelFormat) -> Luggage:
+    """What a level at `target` needs beside it; what stands in the way there is found without writing.
+
+    Args:
+        source_path: Where the level was read; the files that it names lie in its folder.
+        target: Where it goes.
+        data: The level.
+        level_format: Its format.
+
+    Raises:
+        LevelError: The level is broken, or a file that it names cannot be read.
+        OutputError: Another file of that name is there, or the level itself would take its place.
+    """
+    named = level_format.companions(data, source_path)
+    _refuse_own_file(source_path, target, named)
+    outside = {name for name in named if os.pardir in name.parts}
+    missing = [
+        name
+        for name in named
+        if name not in outside and _is_missing(source_path.parent / name, target.parent / name)
+    ]
+    for folder in _folders(missing):
+        _refuse_file_for_folder(target.parent / folder)
+    left_behind = (
+        name for name in outside if not _same_place(source_path.parent / name, target.parent / name)
+    )
+    return Luggage(tuple(missing), tuple(sorted(left_behind)))
 
 
 def write_level(source_path: Path, target: Path, data: bytes, level_format: LevelFormat) -> tuple[Path, ...]:
@@ -31,9 +75,7 @@ def write_level(source_path: Path, target: Path, data: bytes, level_format: Leve
         OutputError: Something cannot be written, or another file of that name is there. Nothing was
             overwritten, and what was written before the failure is gone again.
     """
-    named = level_format.companions(data, source_path)
-    _refuse_own_file(source_path, target, named)
-    missing = [name for name in named if _is_missing(source_path.parent / name, target.parent / name)]
+    missing = luggage(source_path, target, data, level_format).missing
     with ExitStack() as undo:
         for folder in _folders(missing):
             _make_folder(target.parent / folder, undo)
@@ -93,15 +135,18 @@ def _folders(names: Iterable[Path]) -> list[Path]:
     return sorted({folder for name in names for folder in name.parents} - {Path()})
 
 
+def _refuse_file_for_folder(folder: Path) -> None:
+    if os.path.lexists(folder) and not folder.is_dir():
+        raise OutputError(
+            "This is a file, and the level needs a folder of this name.", where=str(folder), remedy=_ELSEWHERE
+        )
+
+
 def _make_folder(folder: Path, undo: ExitStack) -> None:
     if folder.is_dir():
         return
     try:
         folder.mkdir()
-    except FileExistsError as error:
-        raise OutputError(
-            "This is a file, and the level needs a folder of this name.", where=str(folder), remedy=_ELSEWHERE
-        ) from error
     except OSError as error:
         raise output_error(folder, error) from error
     _on_failure(undo, folder.rmdir)

@@ -2,6 +2,9 @@
 
 Near and far planes fit the receivers, not the casters: a caster nearer than the near plane is flattened onto
 it by depth clamp and still casts. Guard texels around each face keep comparisons inside it.
+
+Depth is 1 at the near plane and 0 at the far plane. The other way round, z and w of a distant point are
+nearly equal and round apart: a floor a thousand times wider than the light is high then shadows itself.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ from scenes.scene import Array, Light, LightKind
 # The normal offset moves a place on a cube's edge by up to 0.71 texels, and 2x2 reads half a texel further.
 GUARD_TEXELS = 2
 DEPTH_MARGIN = 0.02
-# 24 bits leave at the far plane steps of 2^-24 / NEAREST of the far distance: below a texel of 8192.
+# Of the far distance. A caster that is nearer still casts.
 NEAREST = 1e-3
 # Beyond, a single perspective map wastes most texels on the rim; six faces do better.
 WIDEST_SINGLE_RAD = np.radians(75.0)
@@ -89,8 +92,8 @@ def _orthographic(axes: Array, receivers: Array, shrink: float) -> Array:
         scale = 2 * shrink / (high[axis] - low[axis])
         face[axis, :3] = scale * axes[axis]
         face[axis, 3] = -scale * (high[axis] + low[axis]) / 2
-    face[2, :3] = axes[2] / (far - near)
-    face[2, 3] = -near / (far - near)
+    face[2, :3] = -axes[2] / (far - near)
+    face[2, 3] = far / (far - near)
     face[3, 3] = 1
     return face
 
@@ -133,7 +136,7 @@ def _perspective(
     face = np.zeros((4, 4))
     for axis in (0, 1):
         face[axis] = shrink / half[axis] * (local[axis] - middle[axis] * local[2])
-    face[2] = local[2] * far / (far - near)
-    face[2, 3] -= near * far / (far - near)
+    face[2] = -local[2] * near / (far - near)
+    face[2, 3] += near * far / (far - near)
     face[3] = local[2]
     return face

@@ -6,6 +6,8 @@ Metres, radians, right-handed, Y up, column vectors. Arrays are read-only.
 from __future__ import annotations
 
 import hashlib
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from functools import cached_property
@@ -32,6 +34,10 @@ class Mobility(StrEnum):
 
     STATIC = "static"
     DYNAMIC = "dynamic"
+
+
+# What a rounding to float32 leaves of a unit vector is nearer to length 1 than this.
+_UNIT_TOLERANCE = 1e-6
 
 
 def frozen_array(values: npt.ArrayLike, dtype: npt.DTypeLike, shape: tuple[int, ...]) -> npt.NDArray[Any]:
@@ -106,6 +112,10 @@ class Light:
         color: Linear RGB.
         mobility: Whether the light, and what it lights, stands still.
         node: Index of the node that carries it in the source file, if there is one.
+
+    Raises:
+        ValueError: A number is not finite (`range_m` may be `inf`), a vector has not length 1, a cone or the
+            range is none: whoever makes a light of unknown numbers checks them first.
     """
 
     name: str
@@ -119,6 +129,16 @@ class Light:
     color: tuple[float, float, float] = (1.0, 1.0, 1.0)
     mobility: Mobility = Mobility.DYNAMIC
     node: int | None = None
+
+    def __post_init__(self) -> None:
+        cones = (self.inner_cone_rad, self.outer_cone_rad)
+        _require_finite(self, (*self.position, *self.direction, *cones, self.intensity, *self.color))
+        _require(self, self.range_m > 0.0, f"range_m must be > 0; it is {self.range_m}")
+        if self.kind is not LightKind.POINT:
+            _require_unit(self, "direction", self.direction)
+        if self.kind is LightKind.SPOT:
+            right = 0.0 <= cones[0] <= cones[1] <= math.pi / 2 and cones[1] > 0.0
+            _require(self, right, f"cones must be 0 <= inner <= outer <= pi/2, outer > 0; they are {cones}")
 
     @property
     def homogeneous(self) -> Array:
@@ -140,6 +160,10 @@ class Camera:
         yfov_rad: Full vertical field of view.
         near_m: Distance of the near plane. The far plane is at infinity for rendering.
         node: Index of the node that carries it in the source file, if there is one.
+
+    Raises:
+        ValueError: A number is not finite, a vector has not length 1, they are not orthogonal, or the field
+            of view or the near plane is none.
     """
 
     name: str
@@ -149,6 +173,15 @@ class Camera:
     yfov_rad: float = float(np.pi / 4)
     near_m: float = 0.1
     node: int | None = None
+
+    def __post_init__(self) -> None:
+        _require_finite(self, (*self.position, *self.forward, *self.up, self.yfov_rad, self.near_m))
+        _require_unit(self, "forward", self.forward)
+        _require_unit(self, "up", self.up)
+        along = sum(one * other for one, other in zip(self.forward, self.up, strict=True))
+        _require(self, abs(along) <= _UNIT_TOLERANCE, f"up must be orthogonal to forward; it is {self.up}")
+        _require(self, 0.0 < self.yfov_rad < math.pi, f"yfov_rad must be in (0, pi); it is {self.yfov_rad}")
+        _require(self, self.near_m > 0.0, f"near_m must be > 0; it is {self.near_m}")
 
 
 @dataclass(frozen=True)
@@ -212,6 +245,20 @@ class Instance:
     scene_digest: str
     light: Light
     view: View
+
+
+def _require(thing: Light | Camera, holds: bool, sentence: str) -> None:  # noqa: FBT001
+    if not holds:
+        raise ValueError(f'{type(thing).__name__} "{thing.name}": {sentence}')
+
+
+def _require_finite(thing: Light | Camera, numbers: Iterable[float]) -> None:
+    _require(thing, all(map(math.isfinite, numbers)), f"all numbers must be finite; it is {thing}")
+
+
+def _require_unit(thing: Light | Camera, what: str, vector: tuple[float, float, float]) -> None:
+    right = abs(math.hypot(*vector) - 1.0) <= _UNIT_TOLERANCE
+    _require(thing, right, f"{what} must be a unit vector; it is {vector}")
 
 
 def _words(thing: Light | Camera) -> bytes:

@@ -50,8 +50,8 @@ class Plan:
     seed: int = 1
 
     def steps(self, views: int, candidates: int) -> int:
-        """How often `measure` calls `on_step` for one light whose passes fit into memory together."""
-        return views * (candidates + self.rounds)
+        """How often `measure` calls `on_step` for one light, however many passes fit into memory together."""
+        return views * candidates * (1 + self.rounds)
 
 
 class Bench(Owner):
@@ -163,12 +163,13 @@ class Bench(Owner):
         order = random.Random(self._plan.seed)  # noqa: S311  shuffling needs no secrecy
         canaries = []
         for index in range(self._plan.rounds):
-            on_step(f"{light.name}: round {index + 1} of {self._plan.rounds}, {camera.name}")
             canaries.append(self._canary.sing())
-            runners = [runner for runner in batch if runner.status is Status.OK]
-            order.shuffle(runners)
-            for runner in runners:
-                runner.time(light, index, self._clock_kind)
+            shuffled = list(batch)
+            order.shuffle(shuffled)
+            for runner in shuffled:
+                on_step(f"{light.name}: round {index + 1} of {self._plan.rounds}, {camera.name}")
+                if runner.status is Status.OK:
+                    runner.time(light, index, self._clock_kind)
         for runner in batch:
             runner.close_view()
         return tuple(canaries)

@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
 
 from renderers.context import Gpu
 from tests.gl_state import gl_state
+
+# How long an example takes says how busy the machine is.
+settings.register_profile("gnomon", deadline=None)
+settings.load_profile("gnomon")
 
 
 @pytest.fixture(scope="session")

@@ -54,6 +54,15 @@ def annotate(source: bytes, annotations: Mapping[int, LightAnnotation]) -> bytes
     return annotation.annotate(source, annotations)
 
 
+def read_annotations(source: bytes) -> dict[int, LightAnnotation]:
+    """What our annotations in the file say, by node index: given to `annotate`, the same once more.
+
+    Raises:
+        LevelError: The file is not valid glTF JSON or GLB.
+    """
+    return annotation.read_annotations(source)
+
+
 def clear(source: bytes) -> Cleared:
     """The file without our annotations.
 

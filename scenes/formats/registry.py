@@ -46,6 +46,13 @@ class LevelFormat(Protocol):
             LevelError: The file is broken, or has no such node.
         """
 
+    def read_annotations(self, source: bytes) -> dict[int, LightAnnotation]:
+        """What a level file says now, by `Light.node`: given to `annotate`, it is written the same again.
+
+        Raises:
+            LevelError: The file is broken.
+        """
+
     def clear(self, source: bytes) -> Cleared:
         """The bytes of a level file without our annotations: the original ones where that is possible.
 
@@ -54,7 +61,9 @@ class LevelFormat(Protocol):
         """
 
     def companions(self, source: bytes, path: Path) -> tuple[Path, ...]:
-        """The existing files that the level at `path` needs beside it, relative to its folder.
+        """The existing files that the level at `path` names, relative to its folder.
+
+        Those outside the folder begin with `..`.
 
         Raises:
             LevelError: The file is broken.
@@ -74,8 +83,8 @@ def load_formats(folders: Iterable[str], package: str) -> dict[str, LevelFormat]
         module = importlib.import_module(f"{package}.{info.name}")
         if not isinstance(module, LevelFormat):
             raise TypeError(
-                f"{module.__name__} is no level format: it lacks NAME, SUFFIXES, read(), annotate(), clear()"
-                " or companions()."
+                f"{module.__name__} is no level format: it lacks NAME, SUFFIXES, read(), annotate(),"
+                " read_annotations(), clear() or companions()."
             )
         for suffix in module.SUFFIXES:
             if suffix in formats:

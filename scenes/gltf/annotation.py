@@ -23,10 +23,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from scenes.gltf.annotation_edits import declaration, node_edits, removals
-from scenes.gltf.annotation_record import GltfFile, marked_nodes, opened
+from scenes.gltf.annotation_record import GltfFile, MarkedNode, decoded, marked_nodes, opened
 from scenes.gltf.json_chunk import padded
-from scenes.gltf.json_splice import spliced
-from scenes.light_annotation import Cleared, LightAnnotation
+from scenes.gltf.json_splice import RawJson, spliced
+from scenes.light_annotation import OWN_KEYS, Cleared, LightAnnotation, Scalar
 
 _RESERVED = frozenset({"original", "withheldExtras"})
 
@@ -75,6 +75,26 @@ def annotate(source: bytes, annotations: Mapping[int, LightAnnotation], *, where
     return file.chunk.holding(padded(text) if file.chunk.binary else text)
 
 
+def read_annotations(source: bytes, *, where: str = "") -> dict[int, LightAnnotation]:
+    """What our annotations in the glTF or GLB file say, by node index, without what `clear` needs.
+
+    Given to `annotate`, they are written the same once more. What other programs have made of them that we
+    would never write, such as a list among the scalars, is left out, and so is a node with `extensions` that
+    are no object: it takes no annotation.
+
+    Raises:
+        LevelError: The file is not valid glTF JSON or GLB.
+    """
+    file = opened(source, where)
+    index = {node: number for number, node in enumerate(file.nodes)}
+    return {
+        index[one.node]: _annotation(file.raw, one)
+        for one in marked_nodes(file)
+        if (extensions := file.raw.member(one.node, "extensions")) is None
+        or file.raw.kind(extensions.value) == "{"
+    }
+
+
 def clear(source: bytes, *, where: str = "") -> Cleared:
     """The glTF or GLB file without our annotations.
 
@@ -92,6 +112,18 @@ def is_annotated(source: bytes) -> bool:
         LevelError: The file is not valid glTF JSON or GLB.
     """
     return any(one.ours for one in marked_nodes(opened(source, "")))
+
+
+def _annotation(raw: RawJson, one: MarkedNode) -> LightAnnotation:
+    extension = decoded(raw, one.ours[-1].value) if one.ours else {}
+    extension = extension if isinstance(extension, dict) else {}
+    withheld = extension.get("withheldExtras")
+    scalars = {item.name: decoded(raw, item.value) for item in one.keys}
+    scalars = (withheld if isinstance(withheld, dict) else {}) | scalars
+    return LightAnnotation(
+        {key: value for key, value in scalars.items() if key in OWN_KEYS and isinstance(value, Scalar)},
+        {key: value for key, value in extension.items() if key not in _RESERVED},
+    )
 
 
 @dataclass(frozen=True)

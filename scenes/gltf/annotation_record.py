@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
+from typing import Any
 
 from scenes.gltf.json_chunk import JsonChunk, find_json
 from scenes.gltf.json_splice import Item, RawJson, Span
@@ -102,6 +104,19 @@ def marked_nodes(file: GltfFile) -> list[MarkedNode]:
     return found
 
 
+def decoded(raw: RawJson, span: Span) -> Any:
+    """A JSON value that we may have written, or None where it is one that we cannot have written.
+
+    That is one nested too deep, or with a number that Python's `int` or a `float` does not hold.
+    """
+    try:
+        value = raw.value(span)
+        json.dumps(value, allow_nan=False)
+    except (RecursionError, ValueError):
+        return None
+    return value
+
+
 def _members(
     raw: RawJson, node: Span, container: str, names: frozenset[str]
 ) -> tuple[Item | None, list[Item]]:
@@ -121,12 +136,9 @@ def _original(raw: RawJson, extension: Span) -> Original:
     member = raw.member(extension, "original") if raw.kind(extension) == "{" else None
     if member is None:
         return Original()
-    try:
-        record = raw.value(member.value)
-    except (RecursionError, ValueError):
-        # Nothing that we wrote: no record, so `clear` will say that it cannot restore the bytes.
-        return Original()
+    record = decoded(raw, member.value)
     if not isinstance(record, dict):
+        # Nothing that we wrote: no record, so `clear` will say that it cannot restore the bytes.
         return Original()
     length = record.get("jsonLength")
     return Original(

@@ -1,4 +1,4 @@
-"""The files beside a .gltf that it names: where its URIs point, and which of them are there.
+"""The files that a .gltf names: where its URIs point, and which of them are there.
 
 Source: glTF 2.0 specification (Khronos), section 2.8 "URIs".
 """
@@ -23,15 +23,15 @@ def local_path(uri: str, where: str) -> Path:
     Raises:
         LevelError: The URI is absolute or leaves the folder.
     """
-    if SCHEME.match(uri) or uri.startswith(("/", "\\")):
+    # By its text, not by what links on disk point to: those were made by the user, not by the level.
+    relative = _relative(uri)
+    if relative is None:
         raise LevelError(
             f"The uri {uri[:80]} is absolute; only files beside the level are read.",
             where=where,
             remedy="Put the file into the level's folder and name it relative to the level.",
         )
-    # By its text, not by what links on disk point to: those were made by the user, not by the level.
-    relative = Path(os.path.normpath(unquote(uri)))
-    if os.pardir in relative.parts or relative.is_absolute():
+    if os.pardir in relative.parts:
         raise LevelError(
             f"The uri {uri[:80]} leaves the level's folder.",
             where=where,
@@ -41,9 +41,10 @@ def local_path(uri: str, where: str) -> Path:
 
 
 def companions(source: bytes, path: Path) -> tuple[Path, ...]:
-    """The files that the buffers and images of a .gltf name, as far as they exist, relative to its folder.
+    """The existing files that the buffers and images of a .gltf name, relative to its folder.
 
-    Files outside the folder are not among them, nor those that a GLB names: it is meant to stand alone.
+    Those outside it begin with `..`. Absolute ones are not among them, nor any that a GLB names: it is meant
+    to stand alone.
 
     Raises:
         LevelError: The file is not valid glTF JSON or GLB.
@@ -53,15 +54,16 @@ def companions(source: bytes, path: Path) -> tuple[Path, ...]:
     root = parse_json(source)
     owners = [*root.items("buffers"), *root.items("images")]
     uris = [owner.get("uri") for owner in owners if isinstance(owner, dict)]
-    named = {_inside(uri) for uri in uris if isinstance(uri, str)}
-    return tuple(sorted(name for name in named if name is not None and _is_file(path.parent / name)))
+    named = {name for uri in uris if isinstance(uri, str) and (name := _relative(uri)) is not None}
+    return tuple(sorted(name for name in named if _is_file(path.parent / name)))
 
 
-def _inside(uri: str) -> Path | None:
-    try:
-        return local_path(uri, "")
-    except LevelError:
+def _relative(uri: str) -> Path | None:
+    """The path that a URI stands for, or None where it is absolute."""
+    if SCHEME.match(uri) or uri.startswith(("/", "\\")):
         return None
+    path = Path(os.path.normpath(unquote(uri)))
+    return None if path.is_absolute() else path
 
 
 def _is_file(path: Path) -> bool:

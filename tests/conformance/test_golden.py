@@ -57,10 +57,13 @@ def street() -> Scene:
     return Scene("street", tuple(meshes))
 
 
-SUN = Light(
-    "sun", LightKind.DIRECTIONAL, direction=tuple(np.array([-0.5, -0.8, -0.33]) / np.hypot(0.9434, 0.33))
-)
-LAMP = Light("lamp", LightKind.SPOT, (-0.6, 2.3, -1.4), (0.3, -0.9, 0.316), 0.5, 1.1, range_m=9.0)
+def unit(*direction: float) -> tuple[float, float, float]:
+    x, y, z = np.array(direction) / np.linalg.norm(direction)
+    return float(x), float(y), float(z)
+
+
+SUN = Light("sun", LightKind.DIRECTIONAL, direction=unit(-0.5, -0.8, -0.33))
+LAMP = Light("lamp", LightKind.SPOT, (-0.6, 2.3, -1.4), unit(0.3, -0.9, 0.316), 0.5, 1.1, range_m=9.0)
 VIEWS = {
     "sun-shadow-volume": (SUN, "shadow_volume", {}),
     "lamp-shadow-map": (LAMP, "shadow_map", {"map_size": 256, "filter": "2x2", "focus": "light"}),

@@ -332,7 +332,7 @@ def test_a_light_that_reaches_nothing_has_nothing_to_answer(gpu: Gpu, case: Case
         replace(lamp, direction=(0.0, 1.0, 0.0)),
         replace(lamp, position=(0.0, -5.0, 0.0), direction=(0.0, 1.0, 0.0)),
         replace(lamp, position=(1e6, 5.0, 0.0), range_m=1.0),
-        replace(lamp, outer_cone_rad=0.0),
+        replace(lamp, inner_cone_rad=0.0, outer_cone_rad=1e-300),
     ]
     for light in lights:
         with (

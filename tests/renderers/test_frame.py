@@ -243,7 +243,7 @@ def test_one_frame_may_look_and_shine_again(gpu: Gpu, kind: LightKind) -> None:
 def test_the_window_holds_every_pixel_of_the_domain(gpu: Gpu) -> None:
     for seed in range(12):
         for kind in KINDS:
-            light = replace(random_light(kind, seed), outer_cone_rad=0.15, range_m=5.0)
+            light = replace(random_light(kind, seed), inner_cone_rad=0.1, outer_cone_rad=0.15, range_m=5.0)
             with framed(gpu, random_scene("fans", seed), light, random_camera(seed), SIZE) as frame:
                 assert inside(frame)
 

@@ -59,6 +59,19 @@ def test_a_plane_alone_has_no_shadow_at_any_slope_and_scale(gpu: Gpu, kind: Ligh
         assert count == 0, (slope, scale, settings)
 
 
+@pytest.mark.parametrize("half", [10.0, 64.0, 640.0, 1e4])
+@pytest.mark.parametrize("kind", [LightKind.POINT, LightKind.SPOT])
+def test_a_lamp_close_above_a_huge_floor_leaves_it_lit(gpu: Gpu, kind: LightKind, half: float) -> None:
+    # Two triangles, of which all but a speck is clipped away: what their new corners round must not show.
+    scene = Scene("floor", (plane(np.array([0.0, 1, 0]), half, cells=1),))
+    light = replace(light_at(kind, np.array([0.0, 0.1, 0]), np.array([0.02, 0, 0.01])), range_m=0.55)
+    camera = look_at((0.3, 1.5, 0.2), (0, 0, 0), near_m=0.005)
+    for settings in (settings_of(1024, "1x1", "light"), settings_of(2048, "2x2", "light")):
+        count, judged = shadowed(gpu, scene, light, camera, settings)
+        assert judged > 20
+        assert count == 0, settings
+
+
 @pytest.mark.parametrize("distance", [0.3, 3.0, 30.0, 300.0])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_plane_that_faces_the_light_has_no_shadow_from_near_or_far(

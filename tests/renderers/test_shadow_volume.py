@@ -114,8 +114,7 @@ def test_caps_have_the_depth_bits_of_the_surfaces_they_lie_on(
     run_to_infinity(monkeypatch)
     # Near enough that the near plane cuts some of the casters.
     camera = replace(look_at((1.5, 1.0, 2.0), (0, 1, 0)), near_m=0.5)
-    light = replace(random_light(kind, 3), range_m=float("inf"), outer_cone_rad=float(np.pi / 2))
-    light = replace(light, position=(0.0, 60, 0), direction=(0.1, -0.99, 0.07))
+    light = replace(light_of(kind, (0.0, 60, 0), (6.0, 0, 4.2)), outer_cone_rad=float(np.pi / 2))
     with framed(gpu, random_scene(geometry, 3), light, camera, SIZE) as frame:
         assert differing_depths(frame) == 0
 
@@ -312,7 +311,9 @@ def test_neither_size_nor_place_matters(gpu: Gpu, kind: LightKind, scale: float,
 
 def test_a_caster_out_of_range_or_cone_costs_nothing(gpu: Gpu) -> None:
     scene, _ = street()
-    lamp = replace(light_of(LightKind.SPOT, (0.0, 1.4, 0.5), (0.0, 0, 0.5)), outer_cone_rad=0.2)
+    lamp = replace(
+        light_of(LightKind.SPOT, (0.0, 1.4, 0.5), (0.0, 0, 0.5)), inner_cone_rad=0.1, outer_cone_rad=0.2
+    )
     camera = look_at((0.5, 3, 5), (0, 0.5, 0))
     with framed(gpu, scene, lamp, camera, SIZE) as frame, volumes_of(frame) as volumes:
         # The floor, and the one box beneath the lamp.

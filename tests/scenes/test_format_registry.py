@@ -11,6 +11,7 @@ from scenes.formats.registry import level_formats, load_formats, read_level
 NAMED = "NAME = 'USD'\nSUFFIXES = {}\n"
 READS = "def read(path, scene_name=None): ...\n"
 WRITES = "def annotate(source, annotations): ...\ndef clear(source): ...\ndef companions(source, path): ...\n"
+KNOWS = "def read_annotations(source): ...\n"
 
 
 def test_the_registry_knows_gltf_and_refuses_other_suffixes(tmp_path: Path) -> None:
@@ -28,7 +29,8 @@ def test_the_registry_knows_gltf_and_refuses_other_suffixes(tmp_path: Path) -> N
         ("NAME = 'x'", TypeError),
         (NAMED.format("('.usda',)") + READS, TypeError),
         (NAMED.format("('.usda',)") + WRITES, TypeError),
-        (NAMED.format("('.usda', '.usda')") + READS + WRITES, TypeError),
+        (NAMED.format("('.usda',)") + READS + WRITES, TypeError),
+        (NAMED.format("('.usda', '.usda')") + READS + WRITES + KNOWS, TypeError),
     ],
 )
 def test_a_broken_format_module_fails_loudly(
@@ -47,6 +49,6 @@ def test_a_new_module_in_the_folder_is_a_format(tmp_path: Path, monkeypatch: pyt
     folder = tmp_path / "formats_of_tomorrow"
     folder.mkdir()
     (folder / "__init__.py").write_text("")
-    (folder / "usd.py").write_text(NAMED.format("('.usda',)") + READS + WRITES)
+    (folder / "usd.py").write_text(NAMED.format("('.usda',)") + READS + WRITES + KNOWS)
     monkeypatch.syspath_prepend(tmp_path)
     assert [found.NAME for found in load_formats([str(folder)], folder.name).values()] == ["USD"]

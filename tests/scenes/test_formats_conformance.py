@@ -48,6 +48,7 @@ def test_files_that_are_none_are_refused(tmp_path: Path, suffix: str) -> None:
     for source in (b"", bytes(range(256))):
         for do in (
             level_format.clear,
+            level_format.read_annotations,
             lambda source: level_format.annotate(source, {0: ADVICE}),
             lambda source: level_format.companions(source, tmp_path / f"level{suffix}"),
         ):
@@ -96,6 +97,19 @@ def test_a_level_is_annotated_and_restored(sample: Path, tmp_path: Path) -> None
     assert level_format.clear(source).data == source
     one = {lights[0]: OTHER}
     assert level_format.annotate(annotated, one) == level_format.annotate(source, one)
+
+
+def test_what_is_annotated_can_be_read_and_carried_over(sample: Path) -> None:
+    level_format = level_formats()[sample.suffix]
+    source = sample.read_bytes()
+    first, *others = (light.node for light in read_level(sample).scene.lights if light.node is not None)
+    assert level_format.read_annotations(source) == {}
+    earlier = {first: ADVICE, **dict.fromkeys(others, OTHER)}
+    annotated = level_format.annotate(source, earlier)
+    assert level_format.read_annotations(annotated) == earlier
+    later = {**level_format.read_annotations(annotated), first: OTHER}
+    assert level_format.annotate(annotated, later) == level_format.annotate(source, {**earlier, first: OTHER})
+    assert level_format.read_annotations(level_format.clear(annotated).data) == {}
 
 
 def test_every_key_is_written_for_every_light(sample: Path) -> None:

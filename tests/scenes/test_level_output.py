@@ -10,7 +10,7 @@ import scenes.level_output
 from scenes.atomic_file import write_atomically
 from scenes.errors import GnomonError, LevelError, OutputError
 from scenes.formats.registry import format_of
-from scenes.level_output import write_level
+from scenes.level_output import luggage, write_level
 from scenes.light_annotation import LightAnnotation
 from tests.scenes.gltf_samples import CORNERS, TETRAHEDRON, read, tetrahedron
 
@@ -142,12 +142,30 @@ def test_nothing_of_the_users_is_overwritten(level: Path, tmp_path: Path, prepar
     out.mkdir()
     prepare(out)
     before = files_in(out)
-    with pytest.raises(OutputError) as caught:
-        written(level, out / "level.gltf")
-    assert said in str(caught.value)
-    assert str(out) in caught.value.where
-    assert caught.value.remedy
-    assert files_in(out) == before
+    for do in (luggage, write_level):
+        with pytest.raises(OutputError) as caught:
+            do(level, out / "level.gltf", level.read_bytes(), format_of(level))
+        assert said in str(caught.value)
+        assert str(out) in caught.value.where
+        assert caught.value.remedy
+        assert files_in(out) == before
+
+
+@pytest.mark.parametrize(
+    ("target", "left_behind"),
+    [
+        ("in/other.gltf", []),
+        ("out/level.gltf", []),
+        ("out/deep/level.gltf", ["../outside.png"]),
+        ("level.gltf", ["../outside.png"]),
+    ],
+)
+def test_files_outside_the_folder_are_named_where_they_are_not_found(
+    level: Path, tmp_path: Path, target: str, left_behind: list[str]
+) -> None:
+    found = luggage(level, tmp_path / target, level.read_bytes(), format_of(level))
+    assert list(map(str, found.left_behind)) == left_behind
+    assert {str(name) for name in found.missing} == (set() if target.startswith("in/") else set(FILES))
 
 
 @pytest.mark.parametrize("failing", range(len(FILES) + 1))

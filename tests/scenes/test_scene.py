@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import FrozenInstanceError, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,6 +61,58 @@ def test_integers_numpy_floats_and_negative_zeros_do_not_change_the_digest() -> 
     camera = Camera("c", (0.0, 1.0, 2.0), near_m=1.0)
     odd = Camera("c", (-0.0, 1, np.float32(2)), (0, -0.0, -1), near_m=1)
     assert Scene("", (), (spelt,), (odd,)).digest == Scene("", (), (plain,), (camera,)).digest
+
+
+@pytest.mark.parametrize(
+    ("kind", "wrong"),
+    [
+        (LightKind.POINT, {"range_m": 0.0}),
+        (LightKind.DIRECTIONAL, {"range_m": -1.0}),
+        (LightKind.POINT, {"range_m": np.nan}),
+        (LightKind.POINT, {"position": (0.0, np.inf, 0.0)}),
+        (LightKind.POINT, {"direction": (0.0, np.nan, 0.0)}),
+        (LightKind.POINT, {"intensity": np.inf}),
+        (LightKind.POINT, {"color": (0.0, np.nan, 0.0)}),
+        (LightKind.SPOT, {"direction": (0.0, 0.0, 0.0)}),
+        (LightKind.SPOT, {"direction": (0.0, 0.0, -1.00001)}),
+        (LightKind.DIRECTIONAL, {"direction": (0.0, 0.0, -0.99999)}),
+        (LightKind.SPOT, {"outer_cone_rad": 0.0}),
+        (LightKind.SPOT, {"outer_cone_rad": np.nextafter(np.pi / 2, 2)}),
+        (LightKind.SPOT, {"inner_cone_rad": 1.0}),
+        (LightKind.SPOT, {"inner_cone_rad": -0.1}),
+        (LightKind.SPOT, {"inner_cone_rad": np.nan}),
+    ],
+)
+def test_lights_that_are_none_are_refused(kind: LightKind, wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r'Light "Lamp": .* must be '):
+        replace(Light("Lamp", kind), **wrong)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"position": (np.nan, 0.0, 0.0)},
+        {"forward": (0.0, 0.0, -2.0)},
+        {"up": (0.0, 0.99999, 0.0)},
+        {"up": (0.0, 0.8, 0.6)},
+        {"yfov_rad": 0.0},
+        {"yfov_rad": np.pi},
+        {"near_m": 0.0},
+        {"near_m": np.inf},
+    ],
+)
+def test_cameras_that_are_none_are_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r'Camera "Eye": .* must be '):
+        replace(Camera("Eye", (0.0, 1.0, 2.0)), **wrong)
+
+
+def test_lights_and_cameras_at_the_limits_are_some() -> None:
+    near_unit = (0.0, 0.0, -1.0 - 9e-7)
+    Light("a", LightKind.SPOT, direction=near_unit, inner_cone_rad=np.pi / 2, outer_cone_rad=np.pi / 2)
+    # What a kind ignores may be anything finite.
+    Light("b", LightKind.POINT, direction=(0.0, 0.0, 0.0), inner_cone_rad=9.0, range_m=5e-324)
+    Light("c", LightKind.DIRECTIONAL, direction=near_unit, outer_cone_rad=0.0, intensity=-1.0)
+    Camera("d", (0.0, 0.0, 0.0), near_unit, (0.0, 1.0, 9e-7), np.nextafter(np.pi, 0), 5e-324)
 
 
 def with_mesh(**changes: object) -> Callable[[Scene], Scene]:

@@ -110,5 +110,5 @@ def test_steps_of_a_request_follow_views_and_kind(gpu: Gpu) -> None:
     request = Request(techniques=("sv", "shadow_map"), plan=replace(PLAN, rounds=3))
     limits = gpu.device.limits
     spot, point, _ = (request.steps(one, limits) for one in seen_lights(scene, scene.lights))
-    assert spot == 2 * (len(ShadowMap().candidates(LightKind.SPOT, limits)) + 1 + 3)
-    assert point == 2 * (len(ShadowMap().candidates(LightKind.POINT, limits)) + 1 + 3)
+    assert spot == 2 * (len(ShadowMap().candidates(LightKind.SPOT, limits)) + 1) * (1 + 3)
+    assert point == 2 * (len(ShadowMap().candidates(LightKind.POINT, limits)) + 1) * (1 + 3)

@@ -89,11 +89,17 @@ def test_counters_and_figures_repeat_exactly(measure: Callable[..., LightMeasure
         assert one.memory_bytes == other.memory_bytes > 0
 
 
-def test_steps_are_as_many_as_the_plan_says(measure: Callable[..., LightMeasurement]) -> None:
+@pytest.mark.parametrize("memory", [1, 1 << 30], ids=["one at a time", "all together"])
+def test_steps_are_as_many_as_the_plan_says(
+    measure: Callable[..., LightMeasurement], monkeypatch: pytest.MonkeyPatch, memory: int
+) -> None:
+    monkeypatch.setattr("selector.measuring.PASSES_ALIVE_BYTES", memory)
     steps: list[str] = []
-    measure(SMALL, LARGE, SV, steps=steps)
+    # A point light's map of 4096 is refused.
+    measure(SMALL, shadow_map(4096), SV, light=POINT, steps=steps)
     assert len(steps) == PLAN.steps(1, 3)
-    assert steps[0] == "Lamp: SM 128 2x2, Eye"
+    assert steps[0] == "Torch: SM 128 2x2, Eye"
+    assert steps[-1] == "Torch: round 2 of 2, Eye"
 
 
 def test_rounds_shuffle_the_candidates_and_repeat_by_seed(
