@@ -19,6 +19,7 @@ OWN_KEYS = frozenset(
         "gnomon_technique",
         "gnomon_map_size",
         "gnomon_filter",
+        "gnomon_focus",
         "gnomon_shadow_ms",
         "gnomon_edge_error_px",
         "gnomon_confidence",

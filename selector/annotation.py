@@ -21,10 +21,12 @@ def annotation(recommendation: Recommendation) -> LightAnnotation:
     if "map_size" in settings:
         scalars["gnomon_map_size"] = settings["map_size"]
         scalars["gnomon_filter"] = settings["filter"]
+        scalars["gnomon_focus"] = settings["focus"]
     scalars["gnomon_shadow_ms"] = _short(recommendation.chosen.shadow_ms)
     if recommendation.chosen.edge_error_px is not None:
         scalars["gnomon_edge_error_px"] = _short(recommendation.chosen.edge_error_px)
-    scalars["gnomon_confidence"] = _short(recommendation.confidence)
+    if recommendation.confidence is not None:
+        scalars["gnomon_confidence"] = _short(recommendation.confidence)
     scalars["gnomon_source"] = SOURCE
     return LightAnnotation(scalars, story(recommendation))
 
@@ -38,7 +40,7 @@ def story(recommendation: Recommendation) -> dict[str, Any]:
         "reason": recommendation.reason,
         "withinLimit": recommendation.within_limit,
         "maxEdgeErrorPx": recommendation.max_edge_error_px,
-        "confidence": _short(recommendation.confidence),
+        "confidence": recommendation.confidence,
         "source": SOURCE,
         "mobility": str(recommendation.mobility),
         "alternatives": [

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from scenes.scene import Array, Light, Mobility
 from selector.candidate import Candidate
@@ -15,6 +16,9 @@ DEFAULT_MAX_EDGE_ERROR_PX = 1.5
 # A view with too short an edge for a mean displacement may still be wrong: its wrong pixels count as if its
 # edge were this long, as in the definition of the figure itself.
 SHORT_EDGE_PX = 64.0
+FEWEST_ROUNDS = 3
+RESAMPLES = 1000
+RESAMPLING_SEED = 1
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,8 @@ class Recommendation:
         runner_up: The next best among those that keep the limit, or else the next most exact; None if there
             is no other.
         within_limit: Whether the chosen candidate keeps the limit.
-        confidence: Share of rounds in which it beat the runner-up, in [0, 1].
+        confidence: How often resampled rounds agree that it is cheaper than the runner-up; 1 where errors
+            alone decide, None with fewer than three rounds.
         reason: One or two sentences for a designer.
         rated: Every candidate that could be measured, cheapest first.
         failed: Those that could not, with their status and reason.
@@ -59,7 +64,7 @@ class Recommendation:
     chosen: Rated
     runner_up: Rated | None
     within_limit: bool
-    confidence: float
+    confidence: float | None
     reason: str
     rated: tuple[Rated, ...]
     failed: tuple[Measurement, ...]
@@ -113,18 +118,35 @@ def _short_edges(measurement: Measurement) -> float:
 
 def _confidence(
     measurement: LightMeasurement, chosen: Rated, runner_up: Rated | None, mobility: Mobility
-) -> float:
+) -> float | None:
+    """Share of resampled rounds in which the chosen candidate's time stays below the runner-up's.
+
+    The bootstrap of the very statistic that ranks them (Efron 1979): rounds are drawn anew within each view,
+    the same for both, since a slow moment of the machine hits all candidates of a round.
+    """
     if runner_up is None:
         return 1.0
-    ours, theirs = (_by_round(measurement, one.candidate, mobility) for one in (chosen, runner_up))
-    return float(np.mean(ours < theirs))
+    ours, theirs = (_by_view(measurement, one.candidate, mobility) for one in (chosen, runner_up))
+    views, rounds = ours.shape
+    if rounds < FEWEST_ROUNDS:
+        return None
+    drawn = np.random.default_rng(RESAMPLING_SEED).integers(0, rounds, (RESAMPLES, views, rounds))
+    ahead = _resampled_ms(theirs, drawn) - _resampled_ms(ours, drawn)
+    return float(np.mean(ahead > 0) + np.mean(ahead == 0) / 2)
 
 
-def _by_round(measurement: LightMeasurement, candidate: Candidate, mobility: Mobility) -> Array:
-    """(views x rounds,) shadow_ms: the same order for every candidate, so that rounds pair up."""
+def _resampled_ms(times: Array, drawn: npt.NDArray[np.int64]) -> Array:
+    """(RESAMPLES,) mean over views of the median over the drawn rounds."""
+    resampled: Array = np.median(np.take_along_axis(times[None], drawn, axis=2), axis=2).mean(axis=1)
+    return resampled
+
+
+def _by_view(measurement: LightMeasurement, candidate: Candidate, mobility: Mobility) -> Array:
+    """(views, rounds) shadow_ms, in the same order for every candidate, so that rounds pair up."""
     one = next(one for one in measurement.measurements if one.candidate == candidate)
-    samples = [sample for view in one.views for sample in view.samples if sample.mobility is mobility]
-    return np.array([sample.shadow_ms for sample in samples])
+    return np.array(
+        [[sample.shadow_ms for sample in view.samples if sample.mobility is mobility] for view in one.views]
+    )
 
 
 def _reason(
@@ -132,10 +154,7 @@ def _reason(
 ) -> str:
     label = chosen.candidate.label
     if not kept:
-        return (
-            f"No candidate keeps the edge within {limit:g} px; {label} comes nearest "
-            f"({chosen.exceedance_px:.2f} px)."
-        )
+        return f"No candidate keeps the edge within {limit:g} px; {label} comes nearest: it {_fault(chosen)}."
     if unseen := _unseen(measurement, chosen):
         return f"{unseen} {label} is the cheapest."
     cheaper = [one for one in rated if one.shadow_ms < chosen.shadow_ms]
@@ -143,7 +162,7 @@ def _reason(
         best = min(cheaper, key=lambda one: one.exceedance_px)
         return (
             f"{label} is the cheapest that keeps the edge within {limit:g} px; the nearest cheaper one, "
-            f"{best.candidate.label}, is off by {best.exceedance_px:.2f} px."
+            f"{best.candidate.label}, {_fault(best)}."
         )
     return f"{label} is the cheapest of all and keeps the edge within {limit:g} px."
 
@@ -157,3 +176,10 @@ def _unseen(measurement: LightMeasurement, chosen: Rated) -> str:
     if chosen.exceedance_px == 0 and not any(view.boundary_px for view in figures):
         return "No view shows a shadow of this light."
     return ""
+
+
+def _fault(rated: Rated) -> str:
+    if rated.exceedance_px > (rated.edge_error_px or 0.0):
+        pixels = round(rated.exceedance_px * SHORT_EDGE_PX)
+        return f"has {pixels} wrong pixels in a view that shows little edge"
+    return f"is off by {rated.exceedance_px:.2f} px"

@@ -20,8 +20,8 @@ def written(measurement: LightMeasurement) -> tuple[dict[str, object], dict[str,
 
 def measurement() -> LightMeasurement:
     return light_measurement(
-        measured(shadow_map(512), view([2.00004], figures(0.123456))),
-        measured(SV, view([5.0], figures(0.0))),
+        measured(shadow_map(512), view([2.00004] * 3, figures(0.123456))),
+        measured(SV, view([5.0] * 3, figures(0.0))),
         measured(shadow_map(8192), status=Status.REFUSED, reason="too large"),
     )
 
@@ -32,6 +32,7 @@ def test_scalars_are_flat_and_short() -> None:
         "gnomon_technique": "SM",
         "gnomon_map_size": 512,
         "gnomon_filter": "2x2",
+        "gnomon_focus": "light",
         "gnomon_shadow_ms": 2.0,
         "gnomon_edge_error_px": 0.1235,
         "gnomon_confidence": 1.0,

@@ -43,11 +43,11 @@ def test_the_most_exact_wins_where_none_keeps_the_limit() -> None:
 
 
 def test_a_tie_goes_to_the_first_candidate() -> None:
-    times = view([2.0, 2.0], figures(0.5))
+    times = view([2.0, 2.0, 2.0], figures(0.5))
     answer = recommend(light_measurement(measured(GOOD, times), measured(SV, times)), Mobility.DYNAMIC)
     assert answer is not None
     assert answer.chosen.candidate == GOOD
-    assert answer.confidence == 0.0
+    assert answer.confidence == 0.5
 
 
 def test_a_view_with_a_short_edge_judges_by_its_wrong_pixels() -> None:
@@ -109,15 +109,30 @@ def test_static_lights_are_judged_by_static_times() -> None:
     assert (dynamic.chosen.candidate, dynamic.chosen.shadow_ms) == (SV, 5.0)
 
 
-def test_confidence_is_the_share_of_rounds_won() -> None:
-    measurement = light_measurement(
-        measured(GOOD, view([1.0, 2.0, 9.0, 2.0], figures(0.5))),
-        measured(SV, view([4.0, 4.0, 4.0, 4.0], figures(0.0))),
+def confidence(ours: list[float], theirs: list[float]) -> float | None:
+    answer = recommend(
+        light_measurement(measured(GOOD, view(ours, figures(0.5))), measured(SV, view(theirs, figures(0.0)))),
+        Mobility.DYNAMIC,
     )
-    answer = recommend(measurement, Mobility.DYNAMIC)
     assert answer is not None
-    assert answer.chosen.candidate == GOOD
-    assert answer.confidence == 0.75
+    return answer.confidence
+
+
+def test_confidence_says_how_often_resampled_rounds_agree() -> None:
+    once_slow = confidence([1.0, 2.0, 9.0, 2.0], [4.0, 4.0, 4.0, 4.0])
+    assert once_slow is not None
+    assert 0.6 < once_slow < 0.95
+    assert confidence([1.0, 1.1, 1.2], [4.0, 4.1, 4.2]) == 1.0
+    # The faster median belongs to the one that is chosen, however rarely it wins a round.
+    close = confidence([1.0, 2.0, 3.0], [1.01, 2.01, 3.01])
+    assert close == 1.0
+    mixed = confidence([1.0, 2.0, 3.0], [3.0, 2.1, 1.0])
+    assert mixed is not None
+    assert 0.3 < mixed < 0.9
+
+
+def test_two_rounds_are_too_few_for_confidence() -> None:
+    assert confidence([1.0, 1.0], [4.0, 4.0]) is None
 
 
 def test_time_is_the_mean_over_views_of_the_median_over_rounds() -> None:
