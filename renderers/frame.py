@@ -60,6 +60,7 @@ class Frame(Owner):
         self.camera = Camera("nowhere", (0.0, 0.0, 0.0))
         self.light = Light("none", LightKind.POINT)
         self._window: Window | None = None
+        self._domain_drawn = False
         self._frame_block = ctx.buffer(reserve=128)
         self._light_block = ctx.buffer(reserve=64)
         surface = shader.program(
@@ -113,6 +114,7 @@ class Frame(Owner):
     def shine(self, light: Light) -> None:
         """Aim the light block at `light`."""
         self.light, self._window = light, None
+        self._domain_drawn = False
         homogeneous = light.homogeneous
         homogeneous[:3] -= homogeneous[3] * self.world.origin
         spot = light.kind is LightKind.SPOT
@@ -178,6 +180,7 @@ class Frame(Owner):
 
     def draw_surfaces(self) -> None:
         """Fill the G-buffer."""
+        self._domain_drawn = False
         self._surface_target.use()
         # glClear is undefined for integer targets; albedo is read only where a surface was drawn.
         GL.glClearBufferuiv(GL.GL_COLOR, 0, NOTHING_SEEN)
@@ -193,8 +196,9 @@ class Frame(Owner):
         self.surface.use(0)
 
     def draw_domain(self) -> None:
-        """Mark where a technique has to answer for the light."""
+        """Mark where a technique's answer counts for the light."""
         self._cover(self._domain_target, self._domain, self.window)
+        self._domain_drawn = True
 
     def shade(self) -> None:
         """Light the surfaces through the mask."""
@@ -207,11 +211,14 @@ class Frame(Owner):
         self.mask.write(np.ascontiguousarray(lit[::-1] * np.uint8(255)), alignment=1)
 
     def read_mask(self) -> Mask:
-        """(h, w) float32 in [0, 1], top row first: 1 lit, 0 shadowed."""
-        return _rows(self.mask, np.uint8, self.height).astype(np.float32) / np.float32(255)
+        """(h, w) float32 in [0, 1], top row first: 1 lit, 0 shadowed, and 0 outside the domain."""
+        mask = _rows(self.mask, np.uint8, self.height).astype(np.float32) / np.float32(255)
+        return mask * self.read_domain()
 
     def read_domain(self) -> npt.NDArray[np.bool_]:
-        """(h, w) bool, top row first: where a technique has to answer."""
+        """(h, w) bool, top row first: where a technique's answer counts."""
+        if not self._domain_drawn:
+            self.draw_domain()
         return _rows(self.domain, np.uint8, self.height) > 0
 
     def read_picture(self) -> Picture:

@@ -36,8 +36,8 @@ Receiver visible_receiver() {
 // or not by the last bit of its position, and lights it with nothing.
 const float GRAZING = 1e-4;
 
-// Where a technique has to answer: a surface that faces the light, within its range and cone. Elsewhere the
-// mask is 0, for every technique alike.
+// Where a technique's answer counts: a surface that faces the light, within its range and cone. Elsewhere shading
+// is dark whatever the mask says, and whoever reads the mask sees 0, for every technique alike.
 bool answers(Receiver receiver) {
     vec3 to_light = towards_light(receiver.position);
     float height = max(dot(receiver.normal, to_light), 0.0);

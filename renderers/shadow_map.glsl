@@ -41,8 +41,7 @@ float compared(mat4 map_matrix, Receiver receiver) {
 
 #section one_face
 void main() {
-    Receiver receiver = visible_receiver();
-    lit = answers(receiver) ? compared(atlas_from_scene[0], receiver) : 0.0;
+    lit = compared(atlas_from_scene[0], visible_receiver());
 }
 
 #section six_faces
@@ -57,5 +56,5 @@ int face_of(vec3 from_light) {
 void main() {
     Receiver receiver = visible_receiver();
     int face = face_of(-towards_light(receiver.position));
-    lit = answers(receiver) ? compared(atlas_from_scene[face], receiver) : 0.0;
+    lit = compared(atlas_from_scene[face], receiver);
 }
