@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from api.choosing import chosen_cameras, chosen_lights, require_triangles
+from api.choosing import (
+    chosen_cameras,
+    chosen_lights,
+    require_file,
+    require_triangles,
+)
 from api.destinations import check_target, check_writable, default_target, ready_folder
 from api.picture_folder import PictureFolder
+from api.technique_choice import chosen_technique
+from api.verdicts import shows_shadow_edge
 from renderers.clock import ClockKind, truthful_clock
 from renderers.context import Device, Gpu
-from renderers.registry import technique
 from scenes.atomic_file import write_atomically
 from scenes.errors import GnomonError, OutputError
 from scenes.formats.registry import format_of, read_level
 from scenes.level import Level
 from scenes.level_file import read_level_file
-from scenes.level_output import write_level
+from scenes.level_output import luggage, write_level
+from scenes.light_annotation import LightAnnotation
 from scenes.scene import Light
 from selector.annotation import annotation
 from selector.level_measuring import Answer, Request, SeenLight, answers, seen_lights
@@ -71,6 +78,8 @@ class Workload:
         device: Where they are measured.
         clock: How time is told there.
         steps: Steps of each light.
+        standing: What the level says of its lights so far, by node; it stays where nothing new is found.
+        left_behind: Files outside the level's folder that the level names, and that do not go with it.
         problems: What went wrong with an output so far; it must not cost the other results.
     """
 
@@ -81,15 +90,10 @@ class Workload:
     device: Device
     clock: ClockKind
     steps: list[int]
+    standing: Mapping[int, LightAnnotation]
+    left_behind: tuple[Path, ...]
     problems: list[GnomonError]
     _gpu: Gpu
-
-    @property
-    def forgotten(self) -> bool:
-        """Whether the level carries annotations of ours at lights that are not measured now."""
-        if len(self.seen) == len(self.level.scene.lights):
-            return False
-        return format_of(self.order.level).clear(self.source).data != self.source
 
     def measured(self, on_step: Callable[[str], None]) -> Iterator[Answer]:
         """One answer a light, as soon as it is there, its pictures written.
@@ -123,7 +127,8 @@ def workload(order: Order) -> Iterator[Workload]:
         UnknownTechniqueError: A technique is not known.
     """
     for name in order.request.techniques:
-        technique(name)
+        chosen_technique(name)
+    require_file(order.level)
     level_format = format_of(order.level)
     source = read_level_file(order.level)
     level = read_level(order.level, order.scene)
@@ -133,6 +138,8 @@ def workload(order: Order) -> Iterator[Workload]:
         check_writable(order.target)
     else:
         check_target(order.level, order.target, level_format)
+    left_behind = luggage(order.level, order.target, source, level_format).left_behind
+    standing = level_format.read_annotations(source)
     if order.measurements:
         _check_measurements(order, order.measurements)
     if order.pictures:
@@ -140,7 +147,8 @@ def workload(order: Order) -> Iterator[Workload]:
     with Gpu(order.device) as gpu:
         seen = seen_lights(level.scene, lights, cameras)
         steps = [order.request.steps(one, gpu.device.limits) for one in seen]
-        yield Workload(order, level, source, seen, gpu.device, truthful_clock(gpu), steps, [], gpu)
+        clock = truthful_clock(gpu)
+        yield Workload(order, level, source, seen, gpu.device, clock, steps, standing, left_behind, [], gpu)
 
 
 def write_results(work: Workload, found: Sequence[Answer]) -> tuple[Path, ...]:
@@ -169,7 +177,7 @@ def _write_annotated(work: Workload, found: Sequence[Answer]) -> tuple[Path, ...
     }
     if not advice:
         return ()
-    data = level_format.annotate(work.source, advice)
+    data = level_format.annotate(work.source, {**work.standing, **advice})
     if order.in_place and read_level_file(order.level) != work.source:
         raise OutputError(
             "The level has changed while its lights were measured, so it was left as it is.",
@@ -187,6 +195,7 @@ class Clearing:
     restored: bool
     note: str
     written: bool
+    left_behind: tuple[Path, ...] = ()
 
 
 def clear_level(level: Path, target: Path, *, in_place: bool) -> Clearing:
@@ -196,6 +205,7 @@ def clear_level(level: Path, target: Path, *, in_place: bool) -> Clearing:
         LevelError: The level cannot be read.
         OutputError: The result cannot be written.
     """
+    require_file(level)
     level_format = format_of(level)
     source = read_level_file(level)
     cleared = level_format.clear(source)
@@ -205,8 +215,9 @@ def clear_level(level: Path, target: Path, *, in_place: bool) -> Clearing:
         check_writable(target)
     else:
         check_target(level, target, level_format, cleared.data)
+    left_behind = luggage(level, target, cleared.data, level_format).left_behind
     write_level(level, target, cleared.data, level_format)
-    return Clearing(target, cleared.restored, cleared.note, written=True)
+    return Clearing(target, cleared.restored, cleared.note, written=True, left_behind=left_behind)
 
 
 def target_of(level: Path, output: Path | None, *, in_place: bool) -> Path:
@@ -228,9 +239,16 @@ def result_record(work: Workload, found: Sequence[Answer], written: Sequence[Pat
         "resolution": [plan.width, plan.height],
         "rounds": plan.rounds,
         "max_edge_error_px": work.order.request.max_edge_error_px,
-        "lights": [answer_record(answer) for answer in found],
+        "lights": [_light_record(answer) for answer in found],
         "problems": [str(problem) for problem in work.problems],
     }
+
+
+def _light_record(answer: Answer) -> Json:
+    record = answer_record(answer)
+    if answer.recommendation:
+        record["shadow_edge_seen"] = shows_shadow_edge(answer.recommendation)
+    return record
 
 
 def _measurements_file(work: Workload, found: Sequence[Answer]) -> bytes:

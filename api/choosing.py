@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TypeVar
 
 from scenes.errors import LevelError
 from scenes.level import Level
+from scenes.level_file import read_level_file
 from scenes.scene import Camera, Light
 
 MOST_NAMES_LISTED = 10
@@ -43,6 +45,15 @@ def chosen_cameras(level: Level, wanted: Sequence[str]) -> tuple[Camera, ...]:
             remedy="Leave --camera out: each light is then seen from four viewpoints made for it.",
         )
     return _chosen(level, level.scene.cameras, "camera", wanted)
+
+
+def require_file(path: Path) -> None:
+    """Refuse a level that is not there, before anything is said about its name.
+
+    Raises:
+        LevelError: There is no such file, or it cannot be read.
+    """
+    read_level_file(path, 1)
 
 
 def require_triangles(level: Level) -> None:

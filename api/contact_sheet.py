@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from api.canvas import BOLD, Canvas, Color, Picture, resized, shortened, wrapped
+from api.verdicts import off_words
 from selector.candidate import Candidate
 from selector.measurement import Measurement, Status
 from selector.recommendation import Recommendation
@@ -31,6 +32,10 @@ HEADER_HEIGHT = 128
 ZOOM, CROP, SMALLEST_CROP = 4, 36, 8
 INSET_SHARE = 0.6
 FRAME = 5
+NEARLY_AS_GOOD = 0.5
+"""Of the difference a spot off the border must hold, compared with the best one, to be taken instead."""
+
+Differences = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,29 @@ class _Tile:
     chosen: bool = False
 
 
+@dataclass(frozen=True)
+class _Spot:
+    """A square of the picture, in its pixels."""
+
+    left: int
+    top: int
+    side: int
+
+
+@dataclass(frozen=True)
+class _Corner:
+    right: bool
+    low: bool
+
+
+@dataclass(frozen=True)
+class _Inset:
+    """What is magnified, and in which corner it is shown."""
+
+    spot: _Spot
+    corner: _Corner
+
+
 def contact_sheet(
     texts: SheetTexts,
     truth: Picture,
@@ -67,12 +95,13 @@ def contact_sheet(
 
     Args:
         texts: The header.
-        truth: (h, w, 3) uint8 sRGB, of the first view.
+        truth: (h, w, 3) uint8 sRGB, of one view.
         pictures: The same of each candidate that rendered anything.
         measurements: Every candidate, in the order of the tiles.
         recommendation: The choice, which gets a frame; None where there is none.
 
-    Each tile magnifies the same place: the one where the candidates differ most from the truth.
+    Each tile magnifies the same place: the one where the candidates differ most from the truth. It is shown
+    in the corner that hides least of what differs.
 
     Raises:
         OutputError: Text cannot be drawn here.
@@ -91,12 +120,14 @@ def contact_sheet(
     )
     width = _width_at(picture_height, truth)
     side = min(CROP, *truth.shape[:2], round(INSET_SHARE * min(picture_height, width)) // ZOOM)
-    window = _most_different(truth, list(pictures.values()), side)
-    _draw_header(canvas, texts, recommendation, magnified=window is not None)
+    difference = _difference(truth, list(pictures.values()))
+    spot = _most_different(difference, side)
+    inset = _Inset(spot, _free_corner(difference, spot, width / truth.shape[1])) if spot else None
+    _draw_header(canvas, texts, recommendation, magnified=inset is not None)
     for index, tile in enumerate(tiles):
         x = MARGIN + (index % COLUMNS) * (TILE_WIDTH + GAP)
         y = HEADER_HEIGHT + (index // COLUMNS) * (tile_height + GAP)
-        _draw_tile(canvas, x, y, picture_height, tile, window)
+        _draw_tile(canvas, x, y, picture_height, tile, inset)
     return canvas.picture
 
 
@@ -113,11 +144,7 @@ def _tile(one: Measurement, picture: Picture | None, recommendation: Recommendat
         return _Tile(picture, label, reason.replace("_", " "), BAD)
     rated = next(rated for rated in recommendation.rated if rated.candidate == one.candidate)
     chosen = rated == recommendation.chosen
-    off = (
-        "too little edge to judge"
-        if rated.edge_error_px is None
-        else f"edge off by {rated.edge_error_px:.2f} px"
-    )
+    off = off_words(one, rated, "edge off by {:.2f} px") or "nothing to judge by"
     good = rated.exceedance_px <= recommendation.max_edge_error_px
     badge = "CHOSEN" if chosen else "runner-up" if rated == recommendation.runner_up else ""
     return _Tile(picture, label, f"{rated.shadow_ms:.1f} ms,  {off}", GOOD if good else BAD, badge, chosen)
@@ -128,19 +155,49 @@ def _width_at(height: int, picture: Picture) -> int:
     return min(TILE_WIDTH, max(round(height * across / len(picture)), 1))
 
 
-def _most_different(truth: Picture, pictures: Sequence[Picture], side: int) -> tuple[int, int, int] | None:
-    """Left, top and side of the square where pictures differ most from the truth; None if nowhere."""
+def _difference(truth: Picture, pictures: Sequence[Picture]) -> Differences:
+    """(h, w) float64, how much all pictures together differ from the truth, in levels of 255."""
     difference = np.zeros(truth.shape[:2])
     for picture in pictures:
         difference += np.abs(picture.astype(np.int32) - truth).sum(axis=2)
+    return difference
+
+
+def _most_different(difference: Differences, side: int) -> _Spot | None:
+    """The square that holds most of the difference, off the picture's border if that costs little."""
     if not difference.any() or side < SMALLEST_CROP:
         return None
     sums = np.pad(difference, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
-    windows: npt.NDArray[np.float64] = (
+    windows: Differences = (
         sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
     )
-    top, left = np.unravel_index(int(np.argmax(windows)), windows.shape)
-    return int(left), int(top), side
+    margin = side // 2
+    inside = np.zeros_like(windows)
+    inside[margin:-margin, margin:-margin] = windows[margin:-margin, margin:-margin]
+    chosen = inside if inside.max() >= NEARLY_AS_GOOD * windows.max() else windows
+    top, left = np.unravel_index(int(np.argmax(chosen)), chosen.shape)
+    return _Spot(int(left), int(top), side)
+
+
+def _free_corner(difference: Differences, spot: _Spot, scale: float) -> _Corner:
+    """Where the magnified square hides least of the difference, and not the spot itself if that can be.
+
+    Among equals the one that is farthest from the spot.
+    """
+    height, width = difference.shape
+    side = ceil((spot.side * ZOOM + 4 * FRAME) / scale)
+
+    def hidden(corner: _Corner) -> tuple[bool, float, float]:
+        x, y = (width - side if corner.right else 0), (height - side if corner.low else 0)
+        covers = _overlap(spot.left, spot.side, x, side) and _overlap(spot.top, spot.side, y, side)
+        far = abs(spot.left + spot.side / 2 - x - side / 2) + abs(spot.top + spot.side / 2 - y - side / 2)
+        return covers, float(difference[max(y, 0) : y + side, max(x, 0) : x + side].sum()), -far
+
+    return min((_Corner(right, low) for right in (False, True) for low in (False, True)), key=hidden)
+
+
+def _overlap(start: int, length: int, other: int, other_length: int) -> bool:
+    return start < other + other_length and other < start + length
 
 
 def _draw_header(
@@ -155,9 +212,7 @@ def _draw_header(
     canvas.text(MARGIN, 106, shortened(reason, width, 18), 18, color)
 
 
-def _draw_tile(
-    canvas: Canvas, x: int, y: int, height: int, tile: _Tile, window: tuple[int, int, int] | None
-) -> None:
+def _draw_tile(canvas: Canvas, x: int, y: int, height: int, tile: _Tile, inset: _Inset | None) -> None:
     canvas.panel(x, y, TILE_WIDTH, height + CAPTION_HEIGHT, PANEL)
     if tile.chosen:
         canvas.frame(x, y, TILE_WIDTH, height + CAPTION_HEIGHT, CHOSEN, FRAME)
@@ -169,8 +224,8 @@ def _draw_tile(
         width = _width_at(height, tile.picture)
         left = x + (TILE_WIDTH - width) // 2
         canvas.paste(left, y, resized(tile.picture, width, height))
-        if window is not None:
-            _draw_inset(canvas, (left, y, width, height), tile.picture, window)
+        if inset is not None:
+            _draw_inset(canvas, (left, y, width, height), tile.picture, inset)
     baseline = y + height + 26
     color = CHOSEN if tile.chosen else BRIGHT
     canvas.text(x + PADDING, baseline, tile.title, 19, color, font=BOLD)
@@ -180,18 +235,15 @@ def _draw_tile(
         canvas.text(x + PADDING, baseline + 24, caption, 16, tile.color)
 
 
-def _draw_inset(
-    canvas: Canvas, area: tuple[int, int, int, int], picture: Picture, window: tuple[int, int, int]
-) -> None:
-    """The magnified square in the corner that is farthest from it, and a frame where it comes from."""
-    (x, y, width, height), (left, top, side) = area, window
+def _draw_inset(canvas: Canvas, area: tuple[int, int, int, int], picture: Picture, inset: _Inset) -> None:
+    """The magnified square in its corner, and a frame where it comes from."""
+    x, y, width, height = area
+    left, top, side = inset.spot.left, inset.spot.top, inset.spot.side
     scale = width / picture.shape[1]
     crop = picture[top : top + side, left : left + side].repeat(ZOOM, axis=0).repeat(ZOOM, axis=1)
     shown = len(crop)
-    lies_right = (left + side / 2) * 2 > picture.shape[1]
-    lies_low = (top + side / 2) * 2 > picture.shape[0]
-    corner_x = x + 2 * FRAME if lies_right else x + width - shown - 2 * FRAME
-    corner_y = y + 2 * FRAME if lies_low else y + height - shown - 2 * FRAME
+    corner_x = x + width - shown - 2 * FRAME if inset.corner.right else x + 2 * FRAME
+    corner_y = y + height - shown - 2 * FRAME if inset.corner.low else y + 2 * FRAME
     box_x, box_y, box = x + round(left * scale), y + round(top * scale), max(round(side * scale), 3)
     canvas.frame(box_x + 1, box_y + 1, box - 2, box - 2, BACKGROUND, 2)
     canvas.frame(box_x + 1, box_y + 1, box - 2, box - 2, INSET, 1)

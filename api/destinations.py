@@ -83,12 +83,22 @@ def ready_folder(folder: Path) -> None:
         OutputError: The system refuses it.
     """
     try:
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(
+                "This is a file, not a folder.", where=str(folder), remedy="Name a folder with --pictures."
+            )
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except (OSError, ValueError) as error:
         known = error if isinstance(error, OSError) else OSError(str(error))
-        raise output_error(folder, known) from error
+        failure = output_error(folder, known)
+        raise OutputError(
+            failure.what,
+            where=failure.where,
+            known=failure.known,
+            remedy=failure.remedy.replace("-o", "--pictures"),
+        ) from error
 
 
 def _same(first: Path, second: Path) -> bool:

@@ -8,9 +8,10 @@ from math import log2
 from pathlib import Path
 from typing import Any
 
-from api.choosing import chosen_cameras, chosen_lights, require_triangles
+from api.choosing import chosen_cameras, chosen_lights, require_file, require_triangles
 from api.destinations import check_writable
 from api.pictures import Picture, file_word, write_png
+from api.technique_choice import chosen_technique
 from renderers.context import DeviceLimits, Gpu
 from renderers.registry import technique
 from renderers.technique import Setting, Settings
@@ -113,7 +114,8 @@ def rendered(order: Order) -> Rendering:
         OutputError: The picture cannot be written.
         GnomonError: The technique is not known, lacks a setting, or refuses the light.
     """
-    method = technique(order.technique)
+    method = chosen_technique(order.technique)
+    require_file(order.level)
     if order.output is not None and order.output.suffix.lower() != ".png":
         raise OutputError(
             "The picture is a PNG, so its name must end in .png.",

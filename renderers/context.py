@@ -25,6 +25,7 @@ from OpenGL.error import GLError
 from scenes.errors import DeviceError
 
 REQUIRED_GL = 450
+DEPTH_CLAMP = 0x864F
 
 Made = TypeVar("Made")
 
@@ -117,13 +118,26 @@ class Gpu:
 
     @contextmanager
     def guard(self, where: str) -> Iterator[None]:
-        """Turn whatever GL and its wrappers raise in the block, or record, into a `GlError`."""
+        """Turn whatever GL and its wrappers raise in the block, or record, into a `GlError`.
+
+        However the block is left early, the next pass finds the state that it expects: a depth clamp left on
+        by a failed shadow map would falsify the shadow volumes that come after it.
+        """
         try:
             yield
         except (moderngl.Error, GLError) as error:
-            self.ctx.clear_errors()
+            self._reset()
             raise _failure(str(error), where, self.device) from error
+        except BaseException:
+            self._reset()
+            raise
         self.check(where)
+
+    def _reset(self) -> None:
+        self.ctx.clear_errors()
+        self.ctx.enable_only(moderngl.NOTHING)
+        self.ctx.disable_direct(DEPTH_CLAMP)
+        self.ctx.polygon_offset = (0.0, 0.0)
 
     def buffer_texture(self, buffer: moderngl.Buffer) -> int:
         """Name of a texture that reads `buffer` as pairs of 32-bit unsigned integers."""

@@ -8,6 +8,7 @@ import moderngl
 import numpy as np
 
 from renderers import shader
+from renderers.context import DEPTH_CLAMP
 from renderers.run_drawer import RunDrawer
 from renderers.world import World
 from scenes.clusters import Runs
@@ -16,7 +17,6 @@ from scenes.frusta import Reach, boxes_inside
 from scenes.map_frusta import MapFit
 from scenes.scene import Array
 
-DEPTH_CLAMP = 0x864F
 BYTES_PER_TEXEL = 4
 COLUMNS = 3
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from api.cli import options
 
 OUTPUTS, MEASURING, EXTRAS = "Where the result goes", "What is measured", "More to look at"
+MOBILITIES = "static", "dynamic"
 
 
 def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
@@ -50,7 +51,7 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
         typer.Option(
             "--max-edge-error-px",
             metavar="PX",
-            min=0.0,
+            parser=options.parse_pixels,
             help="How far the edge of a shadow may be off, in pixels. The cheapest candidate within it wins.",
             rich_help_panel=MEASURING,
         ),
@@ -80,25 +81,30 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
         typer.Option(
             "--rounds",
             metavar="N",
-            min=1,
-            max=1000,
+            parser=options.whole_number(1, 1000),
             help="How often every candidate is timed.",
             rich_help_panel=MEASURING,
         ),
     ] = 3,
     mobility: Annotated[
-        Literal["static", "dynamic"] | None,
+        str | None,
         typer.Option(
             "--mobility",
+            metavar="static|dynamic",
+            parser=options.one_of(*MOBILITIES),
+            autocompletion=options.completing(*MOBILITIES),
             help="Whether lights stand still, so that their maps are kept.",
             show_default="what the level says of each light, else dynamic",
             rich_help_panel=MEASURING,
         ),
     ] = None,
     mode: Annotated[
-        Literal["measure"],
+        str,
         typer.Option(
             "--mode",
+            metavar="measure",
+            parser=options.one_of("measure"),
+            autocompletion=options.completing("measure"),
             help="How answers are found: measure renders every candidate.",
             rich_help_panel=MEASURING,
         ),

@@ -12,7 +12,7 @@ from rich.text import Text
 from api.annotating import Order, Workload, clear_level, result_record, workload, write_results
 from api.cli.annotation_table import print_answers
 from api.cli.failures import EXIT_INCOMPLETE, InterruptedRunError, report
-from api.cli.level_warnings import print_warnings
+from api.cli.level_warnings import print_left_behind, print_warnings
 from api.cli.progress import MeasuringProgress
 from api.cli.terminal import errors, print_json, printable, results
 from api.wording import counted
@@ -51,6 +51,7 @@ def run_clear(level: Path, target: Path, *, in_place: bool, as_json: bool) -> No
         GnomonError: Something is wrong with the level or the output.
     """
     clearing = clear_level(level, target, in_place=in_place)
+    print_left_behind(errors(), clearing.left_behind)
     if as_json:
         print_json(
             {
@@ -76,7 +77,7 @@ def _measured(work: Workload) -> list[Answer]:
         with progress:
             for answer in work.measured(progress.step):
                 found.append(answer)
-                progress.light_done(answer.light.name)
+                progress.light_done()
     except KeyboardInterrupt:
         raise _interrupted(work, len(found)) from None
     return found
@@ -94,15 +95,7 @@ def _announce(console: Console, work: Workload) -> None:
     )
     console.print(Text(printable(text)), soft_wrap=True)
     print_warnings(console, work.level)
-    if work.forgotten:
-        console.print(
-            Text.assemble(
-                ("warning: ", "bold yellow"),
-                "The level was annotated before. Lights that are not measured now lose their annotation in "
-                f"{printable(str(work.order.target))}.",
-            ),
-            soft_wrap=True,
-        )
+    print_left_behind(console, work.left_behind)
 
 
 def _interrupted(work: Workload, done: int) -> InterruptedRunError:

@@ -12,11 +12,18 @@ from rich.text import Text
 
 from api.annotating import Workload
 from api.cli.terminal import printable
+from api.verdicts import measurement_of, off_words, shows_shadow_edge
+from api.wording import counted
+from renderers.technique import Settings
 from selector.level_measuring import Answer
 from selector.measurement import Status
 from selector.recommendation import Recommendation
 
 NOTHING = "-"
+LEGEND = (
+    "shadow ms: what the light's shadow costs each frame; edge off px: distance from the true edge in the "
+    "worst view; confidence: how often the technique beats the runner-up."
+)
 WIDE = 140
 """Columns from which on a reason fits beside its light; narrower, the reasons follow the table."""
 
@@ -27,6 +34,8 @@ def print_answers(console: Console, work: Workload, found: Sequence[Answer]) -> 
     wide = console.width >= WIDE
     if answered:
         console.print(_table([recommendation for _, recommendation in answered], wide=wide))
+        console.print(Text(LEGEND, style="dim"))
+        console.print()
     if not wide:
         for answer, recommendation in answered:
             console.print(Text.assemble((printable(answer.light.name), "bold"), f": {recommendation.reason}"))
@@ -35,14 +44,16 @@ def print_answers(console: Console, work: Workload, found: Sequence[Answer]) -> 
     _print_failed_candidates(console, [recommendation for _, recommendation in answered])
     for answer in found:
         if answer.recommendation is None:
+            stays = " Its earlier annotation stays." if answer.light.node in work.standing else ""
             console.print(
                 Text.assemble(
                     ("no recommendation ", "bold red"),
                     (f"{printable(answer.light.name)} (node {answer.light.node}): ", "bold"),
-                    printable(answer.problem),
+                    printable(answer.problem + stays),
                 )
             )
     _print_verified(console, found)
+    _print_shadowless(console, [recommendation for _, recommendation in answered])
     wins = Counter(recommendation.chosen.candidate.method.label for _, recommendation in answered)
     if len(answered) > 1:
         shares = ", ".join(f"{label} for {count}" for label, count in wins.most_common())
@@ -52,15 +63,15 @@ def print_answers(console: Console, work: Workload, found: Sequence[Answer]) -> 
 
 
 def _table(recommendations: Sequence[Recommendation], *, wide: bool) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1), collapse_padding=True)
     table.add_column("light", overflow="fold")
-    table.add_column("use", no_wrap=True)
-    table.add_column("map", justify="right", no_wrap=True)
+    table.add_column("technique", no_wrap=True)
+    table.add_column("map size", justify="right")
     table.add_column("filter", justify="right", no_wrap=True)
-    for column in ("shadow ms", "edge px"):
+    for column in ("shadow ms", "edge off px"):
         table.add_column(column, justify="right")
-    table.add_column("runner-up", no_wrap=True)
-    table.add_column("sure", justify="right", no_wrap=True)
+    table.add_column("runner-up", min_width=len("runner-up"))
+    table.add_column("confidence", justify="right", no_wrap=True, min_width=len("confidence"))
     if wide:
         table.add_column("why", ratio=1)
     for one in recommendations:
@@ -69,19 +80,34 @@ def _table(recommendations: Sequence[Recommendation], *, wide: bool) -> Table:
         cells: list[Text | str] = [
             Text(printable(one.light.name)),
             Text(one.chosen.candidate.method.label, style=f"bold {color}"),
-            str(settings.get("map_size", NOTHING)),
+            _map_size(settings),
             str(settings.get("filter", NOTHING)),
             f"{one.chosen.shadow_ms:.2f}",
-            _edge(one),
+            off_words(measurement_of(one, one.chosen), one.chosen) or NOTHING,
             one.runner_up.candidate.label if one.runner_up else NOTHING,
-            f"{100 * one.confidence:.0f} %",
+            NOTHING if one.confidence is None else f"{100 * one.confidence:.0f} %",
         ]
         table.add_row(*cells, *([one.reason] if wide else []))
     return table
 
 
-def _edge(one: Recommendation) -> str:
-    return NOTHING if one.chosen.edge_error_px is None else f"{one.chosen.edge_error_px:.2f}"
+def _map_size(settings: Settings) -> str:
+    size = str(settings.get("map_size", NOTHING))
+    return f"{size} view" if settings.get("focus") == "view" else size
+
+
+def _print_shadowless(console: Console, recommendations: Sequence[Recommendation]) -> None:
+    """Such lights get the cheapest technique, and would be cheaper still without any."""
+    shadowless = sum(not shows_shadow_edge(one) for one in recommendations)
+    if shadowless:
+        lights = counted(len(recommendations), "light")
+        casts, theirs = ("casts", "its") if shadowless == 1 else ("cast", "theirs")
+        console.print(
+            Text(
+                f"{shadowless} of {lights} {casts} no shadow whose edge any view shows: consider switching "
+                f"{theirs} off, unless walls keep the light out there."
+            )
+        )
 
 
 def _print_failed_candidates(console: Console, recommendations: Sequence[Recommendation]) -> None:

@@ -16,17 +16,31 @@ from api.cli.terminal import errors, printable
 from scenes.errors import GnomonError
 
 EXIT_INTERNAL, EXIT_USAGE, EXIT_INCOMPLETE, EXIT_INTERRUPTED = 1, 2, 6, 130
+EXIT_CLOSED_PIPE = 141
+"""What shells report of a program that writes to a reader who has gone: 128 and the number of SIGPIPE."""
 
-EPILOG = """\
-Exit codes: 0 done, 1 an error inside Gnomon or one without a code of its own, 2 wrong usage, 3 the level \
-cannot be read or lacks what was asked for, 4 no usable device, 5 an output cannot be written, \
-6 annotate: done, but some lights have no recommendation, 130 interrupted.
-"""
+EXIT_MEANINGS = {
+    0: "done",
+    EXIT_INTERNAL: "a technique refuses the light, or something is wrong inside Gnomon",
+    EXIT_USAGE: "wrong usage",
+    3: "the level cannot be read or lacks what was asked for",
+    4: "no usable device",
+    5: "an output cannot be written",
+    EXIT_INCOMPLETE: "annotate: done, but some lights have no recommendation",
+    EXIT_INTERRUPTED: "interrupted",
+    EXIT_CLOSED_PIPE: "the reader of the output has gone",
+}
 
 DEBUG_VARIABLE = "GNOMON_DEBUG"
 
 Options = ParamSpec("Options")
 Result = TypeVar("Result")
+
+
+def epilog(*, annotates: bool) -> str:
+    """The exit codes, for the foot of a help page."""
+    meanings = {code: words for code, words in EXIT_MEANINGS.items() if annotates or code != EXIT_INCOMPLETE}
+    return "Exit codes: " + ", ".join(f"{code} {words}" for code, words in meanings.items()) + "."
 
 
 class UsageError(GnomonError):
@@ -77,13 +91,16 @@ def failing_cleanly(command: Callable[Options, Result]) -> Callable[Options, Res
     @wraps(command)
     def run(*args: Options.args, **options: Options.kwargs) -> Result:
         try:
-            return command(*args, **options)
+            return _flushed(command(*args, **options))
+        except BrokenPipeError:
+            _silence()
+            raise typer.Exit(EXIT_CLOSED_PIPE) from None
         except GnomonError as error:
             failure = error
         except KeyboardInterrupt:
             failure = interrupted()
-        except (typer.Exit, typer.Abort, typer.TyperException, BrokenPipeError):
-            # Wrong usage, and a reader of ours who stopped reading: Typer knows what to do.
+        except (typer.Exit, typer.Abort, typer.TyperException):
+            # Wrong usage: Typer knows what to do.
             raise
         except Exception as error:  # noqa: BLE001  the last resort: users never see a traceback
             failure = internal(error)
@@ -91,3 +108,16 @@ def failing_cleanly(command: Callable[Options, Result]) -> Callable[Options, Res
         raise typer.Exit(failure.exit_code)
 
     return run
+
+
+def _flushed(result: Result) -> Result:
+    """`result`, all of whose output has reached its reader."""
+    sys.stdout.flush()
+    return result
+
+
+def _silence() -> None:
+    """Nothing that is still in a buffer may complain about the closed pipe when the program ends."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (sys.stdout, sys.stderr):
+        os.dup2(nowhere, stream.fileno())

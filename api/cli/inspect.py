@@ -13,11 +13,13 @@ def inspect(
     Lists lights and cameras with the names and numbers by which other commands address them.
     """
     # Arrays are loaded by the commands that need them, so that --help is there at once.
+    from api.choosing import require_file  # noqa: PLC0415
     from api.cli.inspection_tables import print_inspection  # noqa: PLC0415
     from api.cli.terminal import print_json, results  # noqa: PLC0415
     from api.inspection import Inspection  # noqa: PLC0415
     from scenes.formats.registry import read_level  # noqa: PLC0415
 
+    require_file(level)
     inspection = Inspection.of(read_level(level, scene))
     if as_json:
         print_json(inspection.record())

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from rich import box
 from rich.console import Console
@@ -14,9 +16,14 @@ from api.inspection import Inspection, mesh_count
 from api.shells import Shells
 from api.wording import counted
 from scenes.level import Severity
-from scenes.scene import Camera, Light, LightKind
+from scenes.scene import Camera, Light, LightKind, Mobility
 
 NOTHING = "-"
+NAME_WIDTH = 12
+"""Columns that a long name keeps on a narrow screen."""
+KEPT_COLUMNS = 4
+"""Number, node, name and kind, or of a camera its place, are shown on every screen."""
+PADDING = 2
 
 
 def print_inspection(console: Console, inspection: Inspection) -> None:
@@ -39,9 +46,9 @@ def print_inspection(console: Console, inspection: Inspection) -> None:
     )
     console.print(summary)
     if scene.lights:
-        console.print(_light_table(scene.lights))
+        console.print(_light_table(scene.lights, console.width))
     if scene.cameras:
-        console.print(_camera_table(scene.cameras))
+        console.print(_camera_table(scene.cameras, console.width))
     _print_notes(console, inspection)
 
 
@@ -65,50 +72,99 @@ def _shells(shells: Shells) -> str:
     return f"{shells.triangles:,} triangles: {shares}"
 
 
-def _light_table(lights: tuple[Light, ...]) -> Table:
-    table = _titled(counted(len(lights), "light"))
-    for column in ("#", "node"):
-        table.add_column(column, justify="right", no_wrap=True)
-    table.add_column("name", overflow="fold")
-    table.add_column("kind", no_wrap=True)
-    table.add_column("position", no_wrap=True)
-    for column in ("range m", "cone", "mobility"):
-        table.add_column(column, justify="right", no_wrap=True)
-    for index, light in enumerate(lights):
-        sun = light.kind is LightKind.DIRECTIONAL
-        table.add_row(
-            str(index),
-            _number(light.node),
-            printable(light.name),
-            str(light.kind),
-            f"towards {_place(light.direction)}" if sun else _place(light.position),
-            NOTHING if sun else f"{light.range_m:,.4g}" if math.isfinite(light.range_m) else "no end",
-            _degrees(2 * light.outer_cone_rad) if light.kind is LightKind.SPOT else NOTHING,
-            str(light.mobility),
+@dataclass(frozen=True)
+class _Column:
+    """A column of a table; one that may be left out is, where all its cells hold what goes without saying."""
+
+    title: str
+    cells: list[str]
+    right: bool = False
+    narrowest: int = 0
+    unspoken: str = ""
+
+    @property
+    def least(self) -> int:
+        """Columns of the screen that it cannot do without."""
+        words = [*self.title.split(), *(cell for cell in self.cells if self.right)]
+        return max(self.narrowest, *map(len, words))
+
+
+def _light_table(lights: tuple[Light, ...], width: int) -> Table:
+    return _table(
+        counted(len(lights), "light"),
+        [
+            *_addresses(lights),
+            _Column("kind", [str(light.kind) for light in lights], narrowest=len(LightKind.DIRECTIONAL)),
+            _Column("position", [_whereabouts(light) for light in lights], narrowest=8),
+            _Column("range m", [_range(light) for light in lights], right=True, unspoken=NOTHING),
+            _Column("full cone", [_cone(light) for light in lights], right=True, unspoken=NOTHING),
+            _Column(
+                "mobility", [str(light.mobility) for light in lights], right=True, unspoken=Mobility.DYNAMIC
+            ),
+        ],
+        width,
+    )
+
+
+def _camera_table(cameras: tuple[Camera, ...], width: int) -> Table:
+    return _table(
+        counted(len(cameras), "camera"),
+        [
+            *_addresses(cameras),
+            _Column("position", [_place(camera.position) for camera in cameras], narrowest=8),
+            _Column("vertical fov", [_degrees(camera.yfov_rad) for camera in cameras], right=True),
+        ],
+        width,
+    )
+
+
+def _addresses(found: Sequence[Light | Camera]) -> list[_Column]:
+    """By these the other commands know them: no screen is too narrow for them."""
+    names = [printable(one.name) for one in found]
+    return [
+        _Column("#", [str(index) for index in range(len(found))], right=True, narrowest=len(str(len(found)))),
+        _Column("node", [_number(one.node) for one in found], right=True, narrowest=4),
+        _Column("name", names, narrowest=min(max(map(len, names)), NAME_WIDTH)),
+    ]
+
+
+def _table(title: str, columns: Sequence[_Column], width: int) -> Table:
+    """As many of the columns, from the left, as `width` has room for."""
+    table = Table(
+        title=title, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1), collapse_padding=True
+    )
+    shown = [column for column in columns if not column.unspoken or set(column.cells) != {column.unspoken}]
+    spoken = len(shown)
+    while sum(column.least + PADDING for column in shown) + PADDING > width and len(shown) > KEPT_COLUMNS:
+        shown.pop()
+    if len(shown) < spoken:
+        table.title = f"{title}, more on a wider screen"
+    for column in shown:
+        table.add_column(
+            column.title,
+            justify="right" if column.right else "left",
+            overflow="fold",
+            min_width=column.least,
         )
+    for cells in zip(*(column.cells for column in shown), strict=True):
+        table.add_row(*cells)
     return table
 
 
-def _camera_table(cameras: tuple[Camera, ...]) -> Table:
-    table = _titled(counted(len(cameras), "camera"))
-    for column in ("#", "node"):
-        table.add_column(column, justify="right", no_wrap=True)
-    table.add_column("name", overflow="fold")
-    table.add_column("position", no_wrap=True)
-    table.add_column("height", justify="right", no_wrap=True)
-    for index, camera in enumerate(cameras):
-        table.add_row(
-            str(index),
-            _number(camera.node),
-            printable(camera.name),
-            _place(camera.position),
-            _degrees(camera.yfov_rad),
-        )
-    return table
+def _whereabouts(light: Light) -> str:
+    if light.kind is not LightKind.DIRECTIONAL:
+        return _place(light.position)
+    return "towards (" + ", ".join(f"{component + 0.0:.2g}" for component in light.direction) + ")"
 
 
-def _titled(title: str) -> Table:
-    return Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
+def _range(light: Light) -> str:
+    if light.kind is LightKind.DIRECTIONAL:
+        return NOTHING
+    return f"{light.range_m:,.4g}" if math.isfinite(light.range_m) else "unlimited"
+
+
+def _cone(light: Light) -> str:
+    return _degrees(2 * light.outer_cone_rad) if light.kind is LightKind.SPOT else NOTHING
 
 
 def _number(node: int | None) -> str:

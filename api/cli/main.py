@@ -10,20 +10,24 @@ import typer
 
 from api.cli.annotate import annotate
 from api.cli.devices import devices
-from api.cli.failures import EPILOG, failing_cleanly, interrupted, report
+from api.cli.failures import epilog, failing_cleanly, interrupted, report
+from api.cli.help_pages import PlainCommand, PlainGroup, help_text
 from api.cli.inspect import inspect
 from api.cli.render import render
 
 app = typer.Typer(
     name="gnomon",
+    cls=PlainGroup,
     help="Which shadow technique should each light use? Gnomon measures it, and writes it into the level.",
-    epilog=EPILOG,
+    epilog=epilog(annotates=True),
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (annotate, inspect, render, devices):
-    app.command(epilog=EPILOG)(failing_cleanly(command))
+    app.command(cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=command is annotate))(
+        failing_cleanly(command)
+    )
 
 
 def _print_version(value: bool) -> None:  # noqa: FBT001  Typer calls it so

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -38,6 +40,49 @@ def parse_resolution(text: str | Resolution) -> Resolution:
     if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in (resolution.width, resolution.height)):
         raise typer.BadParameter(f"Both sides must be between {SMALLEST_SIDE} and {LARGEST_SIDE} pixels.")
     return resolution
+
+
+def parse_pixels(text: str | float) -> float:
+    """A number of pixels, at least 0.
+
+    Raises:
+        BadParameter: It is none, negative or not finite.
+    """
+    try:
+        pixels = float(text)
+    except ValueError:
+        raise typer.BadParameter(f'"{text}" is not a number of pixels such as 1.5.') from None
+    if not math.isfinite(pixels) or pixels < 0:
+        raise typer.BadParameter(f'"{text}" is not a finite number of pixels from 0 on, such as 1.5.')
+    return pixels
+
+
+def whole_number(low: int, high: int) -> Callable[[str | int], int]:
+    """A parser of whole numbers from `low` to `high`; it raises BadParameter for anything else."""
+
+    def parse(text: str | int) -> int:
+        if not re.fullmatch(r"\d{1,9}", str(text)) or not low <= int(text) <= high:
+            raise typer.BadParameter(f'"{text}" is not a whole number from {low} to {high}.')
+        return int(text)
+
+    return parse
+
+
+def one_of(*choices: str) -> Callable[[str], str]:
+    """A parser of one of these words; it raises BadParameter for any other."""
+
+    def parse(text: str) -> str:
+        if text not in choices:
+            known = " or ".join(f'"{choice}"' for choice in choices)
+            raise typer.BadParameter(f'"{text}" is not {known}.')
+        return text
+
+    return parse
+
+
+def completing(*choices: str) -> Callable[[], list[str]]:
+    """What a shell offers for an option that takes one of these words."""
+    return lambda: list(choices)
 
 
 DEFAULT_RESOLUTION = Resolution(640, 360)

@@ -14,6 +14,8 @@ from rich.text import Text
 from api.cli.terminal import printable
 
 SECONDS_BETWEEN_LINES = 10.0
+WIDE = 110
+"""Columns from which on a long bar leaves room for what is being measured."""
 
 
 class MeasuringProgress:
@@ -37,7 +39,7 @@ class MeasuringProgress:
         self._bar: Progress | None = None
         if console.is_terminal:
             self._bar = Progress(
-                BarColumn(bar_width=24),
+                BarColumn(bar_width=24 if console.width >= WIDE else 8),
                 TextColumn("{task.fields[state]}"),
                 TextColumn(
                     "{task.description}",
@@ -74,25 +76,25 @@ class MeasuringProgress:
         self._begun = min(self._begun + 1, self._steps[self._light])
         self._show(what)
 
-    def light_done(self, what: str) -> None:
+    def light_done(self) -> None:
         """The light has its answer, however many of its steps were left out."""
         self._light += 1
         self._begun = 0
-        self._show(what)
+        self._show()
 
-    def _show(self, what: str) -> None:
+    def _show(self, what: str = "") -> None:
         done = sum(self._steps[: self._light]) + max(self._begun - 1, 0)
         total = max(sum(self._steps), 1)
         light = min(self._light + 1, len(self._steps))
         state = f"{100 * done // total:3} %  light {light} of {len(self._steps)}"
         remaining = _words(self._remaining(done, total)) if 0 < done < total else ""
         if self._bar:
-            shown = f"{state}  {remaining:>22}" if remaining else state
+            shown = f"{state}  {remaining}" if remaining else state
             self._bar.update(self._task, completed=done, description=printable(what), state=shown)
         elif time.monotonic() - self._last_line >= SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
-            parts = [state.strip(), *([remaining] if remaining else []), printable(what)]
-            self._console.print(Text(", ".join(parts)), soft_wrap=True)
+            parts = [state.strip(), remaining, printable(what)]
+            self._console.print(Text(", ".join(part for part in parts if part)), soft_wrap=True)
 
     def _remaining(self, done: int, total: int) -> float:
         return (time.monotonic() - self._start) / done * (total - done)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from api.cli import options
+
+FILTERS, FOCI = ("1x1", "2x2"), ("light", "view")
 
 
 def render(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
@@ -50,21 +52,30 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
         typer.Option(
             "--map-size",
             metavar="N",
-            min=128,
-            max=8192,
+            parser=options.whole_number(128, 8192),
             help="Side of a shadow map, or of one face of a cube, in texels.",
             show_default="1024",
         ),
     ] = None,
     filter_: Annotated[
-        Literal["1x1", "2x2"] | None,
-        typer.Option("--filter", help="Filter of a shadow map.", show_default="2x2"),
+        str | None,
+        typer.Option(
+            "--filter",
+            metavar="1x1|2x2",
+            parser=options.one_of(*FILTERS),
+            autocompletion=options.completing(*FILTERS),
+            help="Filter of a shadow map.",
+            show_default="2x2",
+        ),
     ] = None,
     focus: Annotated[
-        Literal["light", "view"] | None,
+        str | None,
         typer.Option(
             "--focus",
-            help="What a shadow map covers: all that the light reaches, or only what the camera sees. ",
+            metavar="light|view",
+            parser=options.one_of(*FOCI),
+            autocompletion=options.completing(*FOCI),
+            help="What a shadow map covers: all that the light reaches, or only what the camera sees.",
             show_default="view for a sun, else light",
         ),
     ] = None,

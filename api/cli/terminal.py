@@ -12,6 +12,18 @@ from rich.console import Console
 WIDTH_WITHOUT_TERMINAL = 160
 
 
+class PipeConsole(Console):
+    """A console that tells of a reader who has gone, where Rich would end the program itself."""
+
+    def on_broken_pipe(self) -> None:
+        """Pass on the error that Rich is handling.
+
+        Raises:
+            BrokenPipeError: Always.
+        """
+        raise BrokenPipeError
+
+
 def results() -> Console:
     """Where results go; wide where nobody's screen limits it."""
     return _console(stderr=False)
@@ -38,4 +50,4 @@ def printable(text: str) -> str:
 def _console(*, stderr: bool) -> Console:
     stream = sys.stderr if stderr else sys.stdout
     width = None if stream.isatty() or "COLUMNS" in os.environ else WIDTH_WITHOUT_TERMINAL
-    return Console(stderr=stderr, width=width, highlight=False, emoji=False, markup=False)
+    return PipeConsole(stderr=stderr, width=width, highlight=False, emoji=False, markup=False)

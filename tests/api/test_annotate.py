@@ -135,16 +135,41 @@ def test_in_place_overwrites_the_level(level: Path, tmp_path: Path) -> None:
 def test_a_second_run_replaces_the_first_output(level: Path, tmp_path: Path) -> None:
     succeeded("annotate", level, *QUICK, "--light", "Sun")
     assert gnomon("annotate", level, *QUICK, "--light", "Torch").exit_code == 0
+    # The level is not annotated itself, so there is nothing of the Sun to keep.
     extras = nodes(tmp_path / "small.annotated.glb")
     assert "gnomon_technique" in extras["Torch"]["extras"]
     assert "extras" not in extras["Sun"]
 
 
-def test_it_warns_of_annotations_that_will_be_lost(level: Path) -> None:
-    succeeded("annotate", level, *QUICK, "--in-place")
-    result = gnomon("annotate", level, *QUICK, "--in-place", "--light", "Sun")
-    assert "lose their annotation" in result.stderr
-    assert "lose their annotation" not in gnomon("annotate", level, *QUICK, "--in-place").stderr
+def test_lights_that_are_not_measured_keep_their_annotations(level: Path) -> None:
+    original = level.read_bytes()
+    succeeded("annotate", level, *QUICK, "--in-place", "--light", "Lamp", "--light", "Torch")
+    before = nodes(level)
+    again = ("--resolution", "80x64", "--rounds", 1, "--techniques", "SM", "--max-edge-error-px", 1000)
+    succeeded("annotate", level, *again, "--in-place", "--light", "Sun", "--light", "Torch")
+    after = nodes(level)
+    assert json.dumps(after["Lamp"]) == json.dumps(before["Lamp"])
+    assert [after[name]["extras"]["gnomon_technique"] for name in after] == ["SV", "SM", "SM"]
+    assert gnomon("annotate", level, "--clear", "--in-place").exit_code == 0
+    assert level.read_bytes() == original
+
+
+def test_a_light_without_an_answer_keeps_its_annotation(level: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    succeeded("annotate", level, *QUICK, "--in-place", "--light", "Torch")
+    before = nodes(level)["Torch"]
+    measure = Bench.measure
+
+    def failing(self: Bench, light: Light, *args: object, **options: object) -> object:
+        if light.name != "Sun":
+            raise ZeroDivisionError("a bug")
+        return measure(self, light, *args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Bench, "measure", failing)
+    result = gnomon("annotate", level, *QUICK, "--in-place", width=200)
+    assert result.exit_code == 6
+    assert result.stdout.count("Its earlier annotation stays.") == 1
+    assert json.dumps(nodes(level)["Torch"]) == json.dumps(before)
+    assert "gnomon_technique" in nodes(level)["Sun"]["extras"]
 
 
 def test_lights_of_one_name_are_all_meant(tmp_path: Path) -> None:
@@ -161,6 +186,22 @@ def test_many_lights_are_not_all_listed(tmp_path: Path) -> None:
     assert result.exit_code == 3
     assert '"L9" ... and 15 more' in result.stderr
     assert "L10" not in result.stderr
+
+
+def test_lights_without_a_shadow_in_any_view_are_counted(level: Path, tmp_path: Path) -> None:
+    dark = small_level(tmp_path, "one.glb", small_scene((SPOT, named(NOWHERE, "Far"))))
+    lights = answered("annotate", dark, *QUICK)["lights"]
+    assert [light["shadow_edge_seen"] for light in lights] == [True, False]
+    result = succeeded("annotate", dark, *QUICK, width=200)
+    assert "1 of 2 lights casts no shadow whose edge any view shows" in result.stdout
+    assert "casts no shadow" not in succeeded("annotate", level, *QUICK, width=200).stdout
+
+
+def test_a_level_that_is_not_there_is_said_before_its_name_is_judged(tmp_path: Path) -> None:
+    for command in (("annotate",), ("inspect",), ("render",), ("annotate", "--clear", "--in-place")):
+        result = gnomon(command[0], tmp_path / "street", *command[1:])
+        assert result.exit_code == 3
+        assert "There is no such file" in result.stderr
 
 
 def test_pictures_show_every_candidate_and_a_sheet(level: Path, tmp_path: Path) -> None:
@@ -300,7 +341,8 @@ def test_a_level_that_changed_meanwhile_is_not_overwritten(
         (("--clear", "-o", "other.glb"), 5, "no annotated level"),
         (("--measurements", "small.glb"), 5, "would overwrite the level"),
         (("--measurements", "missing/raw.json"), 5, "folder does not exist"),
-        (("--pictures", "other.glb"), 5, "other.glb"),
+        (("--pictures", "other.glb"), 5, "Name a folder with --pictures"),
+        (("--pictures", "other.glb/deep"), 5, "another path with --pictures"),
         (("--light", "Moon"), 3, '"Lamp", "Torch", "Sun"'),
         (("--camera", "Drone"), 3, '"Eye"'),
         (("--techniques", "SM,PCSS"), 2, "PCSS"),
@@ -308,7 +350,11 @@ def test_a_level_that_changed_meanwhile_is_not_overwritten(
         (("--rounds", "0"), 2, "--rounds"),
         (("--max-edge-error-px", "-1"), 2, "--max-edge-error-px"),
         (("--max-edge-error-px", "nan"), 2, "--max-edge-error-px"),
-        (("--mode", "predict"), 2, "predict"),
+        (("--max-edge-error-px", "inf"), 2, "not a finite number of pixels"),
+        (("--max-edge-error-px", "50%"), 2, '"50%" is not a number of pixels such as 1.5'),
+        (("--rounds", "two"), 2, '"two" is not a whole number from 1 to 1000'),
+        (("--techniques", "psm"), 2, "not in this version yet"),
+        (("--mode", "predict"), 2, '"predict" is not "measure"'),
         (("--mobility", "floating"), 2, "floating"),
         (("--resolution", "big"), 2, "not a resolution"),
         (("--device", "Voodoo"), 4, "Voodoo"),
@@ -384,19 +430,55 @@ def test_an_interrupt_says_how_far_it_was(
     assert files(tmp_path) == {"small.glb"}
 
 
-def test_a_gltf_takes_its_files_along(tmp_path: Path) -> None:
-    source = small_level(tmp_path).read_bytes()
+@pytest.fixture
+def text_level(level: Path) -> Path:
+    """A .gltf in a folder of its own, with a buffer beside it and an image outside."""
+    source = level.read_bytes()
     length = int.from_bytes(source[12:16], "little")
     document = json.loads(source[20 : 20 + length])
     document["buffers"][0]["uri"] = "small.bin"
-    (tmp_path / "small.bin").write_bytes(source[28 + length :])
-    (tmp_path / "small.gltf").write_text(json.dumps(document))
+    document["images"] = [{"uri": "../wood.png"}]
+    folder = level.parent / "level"
+    folder.mkdir()
+    (level.parent / "wood.png").write_bytes(b"png")
+    (folder / "small.bin").write_bytes(source[28 + length :])
+    (folder / "small.gltf").write_text(json.dumps(document))
+    return folder / "small.gltf"
+
+
+def test_a_gltf_takes_its_files_along(text_level: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     folder.mkdir()
-    result = gnomon("annotate", tmp_path / "small.gltf", *QUICK, "-o", folder / "new.gltf")
+    result = gnomon("annotate", text_level, *QUICK, "-o", folder / "new.gltf")
     assert result.exit_code == 0, result.stderr
     assert files(folder) == {"new.gltf", "small.bin"}
     assert read_level(folder / "new.gltf").scene.digest == small_scene().digest
+    # It lies as deep as the level's own folder, so that the image is found from there too.
+    assert "taken along" not in result.stderr
+
+
+def test_files_that_are_not_taken_along_are_named(text_level: Path, tmp_path: Path) -> None:
+    (tmp_path / "far/out").mkdir(parents=True)
+    output = tmp_path / "far/out/new.gltf"
+    made = succeeded("annotate", text_level, *QUICK, "--light", "Sun", "-o", output, width=200)
+    cleared = succeeded("annotate", text_level, "--clear", "-o", output.with_stem("cleared"), width=200)
+    for result in (made, cleared):
+        assert "warning: " in result.stderr
+        assert "which are not taken along: ../wood.png." in result.stderr
+
+
+def test_other_files_in_the_way_are_found_before_anything_is_measured(
+    text_level: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Bench, "measure", Mock(side_effect=AssertionError("it was measured")))
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "small.bin").write_bytes(b"somebody's work")
+    result = gnomon("annotate", text_level, *QUICK, "-o", folder / "new.gltf", width=200)
+    assert result.exit_code == 5
+    assert "A different file of this name is there" in result.stderr
+    assert "measured" not in result.stderr
+    assert files(folder) == {"small.bin"}
 
 
 def test_what_the_reader_warns_of_is_told_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 
 from api.canvas import Canvas, Picture, shortened, text_width, wrapped
-from api.contact_sheet import BACKGROUND, CHOSEN, COLUMNS, SheetTexts, contact_sheet
+from api.contact_sheet import (
+    BACKGROUND,
+    CHOSEN,
+    COLUMNS,
+    SheetTexts,
+    _Corner,
+    _free_corner,
+    _most_different,
+    _Spot,
+    contact_sheet,
+)
 from scenes.scene import Mobility
 from selector.measurement import LightMeasurement, Status
 from selector.recommendation import recommend
@@ -97,3 +107,23 @@ def test_long_lines_are_shortened_and_wrapped() -> None:
     assert all(text_width(row, 16) <= 200 for row in rows)
     assert wrapped("a b", 200, 16, 3) == ["a b"]
     assert wrapped("", 200, 16, 3) == []
+
+
+def test_the_inset_hides_least_of_what_differs() -> None:
+    spot = _Spot(10, 10, 20)
+    everywhere = np.zeros((360, 640))
+    everywhere[10:30, 10:30] = 9.0
+    assert _free_corner(everywhere, spot, 0.7) == _Corner(right=True, low=True)
+    everywhere[300:, 500:] = 1.0
+    assert _free_corner(everywhere, spot, 0.7) == _Corner(right=True, low=False)
+
+
+def test_a_spot_off_the_border_is_preferred_where_it_is_nearly_as_good() -> None:
+    difference = np.zeros((100, 200))
+    difference[0:4, 0:4], difference[60, 100:112] = 1.0, 1.0
+    spot = _most_different(difference, 20)
+    assert spot is not None
+    assert spot.top >= 10
+    assert spot.top <= 60 < spot.top + spot.side
+    difference[0:4, 0:4] = 2.0
+    assert _most_different(difference, 20) == _Spot(0, 0, 20)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
-from api.cli.failures import EXIT_INCOMPLETE, EXIT_INTERNAL, EXIT_INTERRUPTED, EXIT_USAGE
+from api.cli.failures import EXIT_MEANINGS
 from api.cli.main import app
 from scenes.errors import DeviceError, GnomonError, LevelError, OutputError
 from tests.api.command import QUICK, answered
@@ -59,8 +59,10 @@ def test_every_section_has_an_example(command: str) -> None:
 
 
 def test_every_exit_code_is_in_the_table() -> None:
-    codes = [0, EXIT_INTERNAL, EXIT_USAGE, EXIT_INCOMPLETE, EXIT_INTERRUPTED]
-    codes += [error.exit_code for error in (GnomonError, LevelError, DeviceError, OutputError)]
+    codes = [
+        *EXIT_MEANINGS,
+        *(error.exit_code for error in (GnomonError, LevelError, DeviceError, OutputError)),
+    ]
     for code in set(codes):
         assert re.search(rf"^\| {code} \|", PAGE, re.MULTILINE), code
 

@@ -26,6 +26,24 @@ def test_it_shows_what_is_in_a_level(tmp_path: Path) -> None:
     assert small_scene().digest in result.stdout
 
 
+@pytest.mark.parametrize("width", [40, 60, 80, 100])
+def test_numbers_nodes_and_names_are_on_every_screen(tmp_path: Path, width: int) -> None:
+    result = gnomon("inspect", small_level(tmp_path), width=width)
+    rows = [line.split()[:3] for line in result.stdout.splitlines()]
+    for row in (["#", "node", "name"], ["0", "3", "Lamp"], ["1", "4", "Torch"], ["2", "5", "Sun"]):
+        assert row in rows
+    assert all(len(line) <= width for line in result.stdout.splitlines())
+
+
+def test_columns_that_say_nothing_are_left_out(tmp_path: Path) -> None:
+    shown = gnomon("inspect", small_level(tmp_path)).stdout
+    assert "full cone" in shown
+    assert "mobility" in shown
+    shown = gnomon("inspect", small_level(tmp_path, scene=small_scene((POINT,)))).stdout
+    assert "cone" not in shown
+    assert "mobility" not in shown
+
+
 def test_json_holds_everything(tmp_path: Path) -> None:
     path = small_level(tmp_path)
     record = answered("inspect", path)

@@ -38,6 +38,9 @@ def test_help_names_the_exit_codes(arguments: tuple[str, ...]) -> None:
     assert result.exit_code == 0
     assert "Exit codes" in result.stdout
     assert "130" in result.stdout
+    assert ("no recommendation" in result.stdout) is (arguments[0] != "render")
+    assert "<bool>" not in result.stdout
+    assert "{" not in result.stdout
 
 
 @pytest.mark.parametrize("arguments", [("paint",), ("inspect",), ("inspect", "a.glb", "--colour")])
@@ -106,13 +109,14 @@ def test_kill_9_leaves_input_and_earlier_output_alone(level: Path, tmp_path: Pat
     assert files(tmp_path) == {"small.glb", "small.annotated.glb"}
 
 
-def test_a_reader_that_stops_reading_is_no_traceback(level: Path) -> None:
-    with running("inspect", level, "--json") as process:
+@pytest.mark.parametrize("more", [(), ("--json",)], ids=["tables", "json"])
+def test_a_reader_that_stops_reading_is_exit_141_and_no_word(level: Path, more: tuple[str, ...]) -> None:
+    with running("inspect", level, *more) as process:
         assert process.stdout is not None
         process.stdout.close()
         assert process.stderr is not None
-        assert "Traceback" not in process.stderr.read()
-        process.wait(timeout=60)
+        assert process.stderr.read() == ""
+        assert process.wait(timeout=60) == 141
         process.stdout = None
 
 

@@ -36,7 +36,7 @@ def shown(clock: Clock, steps: list[int], seconds: list[float], *, skip_last: in
             for index in range(count - (skip_last if light == 0 else 0)):
                 running.step(f"step {index + 1}")
                 clock.now += each
-            running.light_done(f"light {light}")
+            running.light_done()
         assert running.lights_done == len(steps)
     return lines(stream)
 
@@ -46,6 +46,15 @@ def test_without_a_terminal_a_line_comes_now_and_then(clock: Clock) -> None:
     assert printed[0] == "0 %  light 1 of 2, step 1"
     assert printed[1] == "20 %  light 1 of 2, about 50 s left, step 5"
     assert len(printed) == 1 + 60 // 12
+
+
+def test_a_light_that_is_done_is_not_named_as_the_next(clock: Clock) -> None:
+    stream = io.StringIO()
+    with MeasuringProgress(Console(file=stream, width=200), [1, 1]) as running:
+        running.step("Sun: SM")
+        clock.now += 20
+        running.light_done()
+    assert lines(stream) == ["0 %  light 1 of 2, Sun: SM", "50 %  light 2 of 2, about 20 s left"]
 
 
 def test_the_estimate_is_exact_where_all_steps_are_alike(clock: Clock) -> None:
