@@ -215,7 +215,7 @@ def _open(wanted: str | int | None) -> tuple[moderngl.Context, Device]:
             "No OpenGL context could be made.",
             where=f"EGL device {index}",
             known=_known(),
-            remedy="Install EGL and a driver (make setup does), or choose one with --device.",
+            remedy="`gnomon devices` lists what there is; `make setup` installs EGL and a driver.",
         )
     if context.version_code < REQUIRED_GL:
         raise DeviceError(

@@ -7,8 +7,9 @@ import moderngl
 import pytest
 from OpenGL import GL
 
-from renderers.context import Gpu, OutOfVideoMemoryError, devices
+from renderers.context import DEPTH_CLAMP, Gpu, OutOfVideoMemoryError, devices
 from scenes.errors import DeviceError
+from tests.gl_state import gl_state
 
 
 def test_a_device_is_found_by_number_and_by_part_of_its_name(gpu: Gpu) -> None:
@@ -81,3 +82,18 @@ def test_cached_things_are_made_once(gpu: Gpu) -> None:
     for _ in range(2):
         gpu.cached("test_cached_things", lambda: made.append(1) or "thing")
     assert made == [1]
+
+
+def fail_with_everything_on(gpu: Gpu) -> None:
+    with gpu.guard("the test"):
+        gpu.ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        gpu.ctx.enable_direct(DEPTH_CLAMP)
+        gpu.ctx.polygon_offset = (1.1, 4.0)
+        raise ZeroDivisionError
+
+
+def test_a_failed_block_leaves_no_state_behind(gpu: Gpu) -> None:
+    before = gl_state()
+    with pytest.raises(ZeroDivisionError):
+        fail_with_everything_on(gpu)
+    assert gl_state() == before
