@@ -9,7 +9,7 @@ BIN := .venv/bin
 OUT := examples/out
 PYTEST = LP_NUM_THREADS=$(LP_NUM_THREADS) $(BIN)/pytest -q
 
-.PHONY: help setup demo examples test test-slow lint format lock clean validator
+.PHONY: help setup demo examples test test-slow fuzz bench lint format lock clean validator
 .DEFAULT_GOAL := help
 
 help:
@@ -18,6 +18,8 @@ help:
 	@echo "make lint       check style, types and imports"
 	@echo "make format     put the code into shape"
 	@echo "make test-slow  run the tests that take minutes"
+	@echo "make fuzz       feed the readers 100,000 broken files"
+	@echo "make bench      time the techniques; let nothing else run beside it"
 	@echo "make examples   write the example level again"
 	@echo "make lock       resolve the locked versions again"
 	@echo "make clean      remove everything that make made"
