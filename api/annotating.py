@@ -15,10 +15,19 @@ from api.choosing import (
     require_file,
     require_triangles,
 )
-from api.destinations import check_target, check_writable, default_target, ready_folder
+from api.destinations import (
+    MEASUREMENT_KEYS,
+    check_measurements,
+    check_spares_level,
+    check_target,
+    check_writable,
+    default_target,
+    ready_folder,
+)
 from api.picture_folder import PictureFolder
 from api.technique_choice import chosen_technique
 from api.verdicts import shows_shadow_edge
+from api.wording import path_words
 from renderers.clock import ClockKind, truthful_clock
 from renderers.context import Device, Gpu
 from scenes.atomic_file import write_atomically
@@ -104,15 +113,23 @@ class Workload:
         order = self.order
         folder = PictureFolder(order.pictures, self.level, self.seen) if order.pictures else None
         with Bench(self._gpu, self.level.scene, order.request.plan) as bench:
-            keep = folder.keep if folder else None
-            limits = self.device.limits
-            for answer in answers(bench, limits, self.seen, order.request, on_step, keep):
+
+            def without_loss(action: Callable[..., None], *what: object) -> None:
+                nonlocal folder
+                try:
+                    action(*what)
+                except Exception as error:  # noqa: BLE001  pictures must not cost the level
+                    self.problems.append(_problem(error, "The pictures"))
+                    folder = None
+
+            def keep(*what: object) -> None:
                 if folder:
-                    try:
-                        folder.write(answer)
-                    except OutputError as error:
-                        self.problems.append(error)
-                        folder = None
+                    without_loss(folder.keep, *what)
+
+            wanted = keep if folder else None
+            for answer in answers(bench, self.device.limits, self.seen, order.request, on_step, wanted):
+                if folder:
+                    without_loss(folder.write, answer)
                 yield answer
 
 
@@ -140,8 +157,10 @@ def workload(order: Order) -> Iterator[Workload]:
         check_target(order.level, order.target, level_format)
     left_behind = luggage(order.level, order.target, source, level_format).left_behind
     standing = level_format.read_annotations(source)
+    # What the file's form forbids is found now: a bare annotation meets the same obstacles as a real one.
+    level_format.annotate(source, {_node(light): LightAnnotation({}, {}) for light in lights})
     if order.measurements:
-        _check_measurements(order, order.measurements)
+        _check_measurements(order, order.measurements, level_format.companions(source, order.level))
     if order.pictures:
         ready_folder(order.pictures)
     with Gpu(order.device) as gpu:
@@ -161,13 +180,23 @@ def write_results(work: Workload, found: Sequence[Answer]) -> tuple[Path, ...]:
     try:
         if order.measurements:
             write_atomically(order.measurements, _measurements_file(work, found))
-    except OutputError as error:
-        work.problems.append(error)
+    except Exception as error:  # noqa: BLE001  the level must not be lost with its measurements
+        work.problems.append(_problem(error, "The measurements"))
     try:
         return _write_annotated(work, found)
-    except GnomonError as error:
-        work.problems.append(error)
+    except Exception as error:  # noqa: BLE001  what was measured is still to be told
+        work.problems.append(_problem(error, "The annotated level"))
         return ()
+
+
+def _problem(error: Exception, what: str) -> GnomonError:
+    if isinstance(error, GnomonError):
+        return error
+    return OutputError(
+        f"{what} could not be written, by a bug inside Gnomon.",
+        known=f"{type(error).__name__}: {error}",
+        remedy="Please report it.",
+    )
 
 
 def _write_annotated(work: Workload, found: Sequence[Answer]) -> tuple[Path, ...]:
@@ -229,11 +258,11 @@ def result_record(work: Workload, found: Sequence[Answer], written: Sequence[Pat
     """The whole result as JSON values."""
     plan = work.order.request.plan
     return {
-        "level": str(work.level.path),
+        "level": path_words(work.level.path),
         "format": work.level.format,
         "digest": work.level.scene.digest,
-        "output": str(written[-1]) if written else None,
-        "written": [str(path) for path in written],
+        "output": path_words(written[-1]) if written else None,
+        "written": [path_words(path) for path in written],
         "device": work.device.as_dict(),
         "clock": str(work.clock),
         "resolution": [plan.width, plan.height],
@@ -254,22 +283,20 @@ def _light_record(answer: Answer) -> Json:
 def _measurements_file(work: Workload, found: Sequence[Answer]) -> bytes:
     measurements = [measurement_record(answer.measurement) for answer in found if answer.measurement]
     record = {
-        "level": str(work.level.path),
+        "level": path_words(work.level.path),
         "digest": work.level.scene.digest,
         "lights": measurements,
     }
-    return (json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n").encode()
+    assert tuple(record) == MEASUREMENT_KEYS, "by these an earlier file is known"
+    text = json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    # Names in a level may hold halves of surrogate pairs, which have no UTF-8.
+    return text.encode(errors="replace")
 
 
-def _check_measurements(order: Order, path: Path) -> None:
-    for other in (order.level, order.target):
-        if path.resolve() == other.resolve():
-            raise OutputError(
-                "The measurements would overwrite the level.",
-                where=str(path),
-                remedy="Choose another name with --measurements.",
-            )
-    check_writable(path)
+def _check_measurements(order: Order, path: Path, named: Sequence[Path]) -> None:
+    for level in (order.level, order.target):
+        check_spares_level(path, level, named, "--measurements")
+    check_measurements(path)
 
 
 def _node(light: Light) -> int:

@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from api.wording import shortened
 from scenes.errors import LevelError
 from scenes.level import Level
 from scenes.level_file import read_level_file
 from scenes.scene import Camera, Light
 
 MOST_NAMES_LISTED = 10
+LONGEST_NAME = 100
+MOST_DIGITS = 9
 NODE_PREFIX = "node:"
 
 Named = TypeVar("Named", Light, Camera)
@@ -81,17 +84,17 @@ def _meant(level: Level, known: tuple[Named, ...], what: str, name: str) -> list
     exact = [index for index, one in enumerate(known) if one.name == name]
     if exact:
         return exact
-    if name.startswith(NODE_PREFIX) and name.removeprefix(NODE_PREFIX).isdecimal():
+    if name.startswith(NODE_PREFIX) and _is_number(name.removeprefix(NODE_PREFIX)):
         node = int(name.removeprefix(NODE_PREFIX))
         found = [index for index, one in enumerate(known) if one.node == node]
-    elif name.isdecimal():
+    elif _is_number(name):
         found = [int(name)] if int(name) < len(known) else []
     else:
         found = [index for index, one in enumerate(known) if one.name.casefold() == name.casefold()]
     if found:
         return found
     raise LevelError(
-        f'There is no {what} "{name}".',
+        f'There is no {what} "{shortened(name, LONGEST_NAME)}".',
         where=str(level.path),
         known=f"It has {_listed(known, what)}.",
         remedy=f"A {what} is chosen by its name, its number from 0 on, or node:NUMBER; "
@@ -99,8 +102,15 @@ def _meant(level: Level, known: tuple[Named, ...], what: str, name: str) -> list
     )
 
 
+def _is_number(text: str) -> bool:
+    # Longer ones are no place in any list, and Python refuses to read them.
+    return text.isdecimal() and len(text) <= MOST_DIGITS
+
+
 def _listed(known: tuple[Named, ...], what: str) -> str:
-    names = [f'"{one.name}"' if one.name else f"{NODE_PREFIX}{one.node}" for one in known]
+    names = [
+        f'"{shortened(one.name, LONGEST_NAME)}"' if one.name else f"{NODE_PREFIX}{one.node}" for one in known
+    ]
     more = len(names) - MOST_NAMES_LISTED
     listed = ", ".join(names[:MOST_NAMES_LISTED])
     plural = what if len(names) == 1 else f"{what}s"

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
+import stat
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
 from scenes.atomic_file import output_error
@@ -12,6 +15,8 @@ from scenes.formats.registry import LevelFormat
 from scenes.level_file import read_level_file
 
 ANNOTATED = ".annotated"
+MEASUREMENT_KEYS = ("level", "digest", "lights")
+"""What a file of measurements holds, and no other JSON is likely to."""
 
 
 def default_target(level: Path) -> Path:
@@ -61,9 +66,14 @@ def check_writable(path: Path) -> None:
         OutputError: The system refuses it.
     """
     try:
-        if path.is_dir():
+        mode = _mode(path)
+        if stat.S_ISDIR(mode):
             raise OutputError("This is a folder, not a file.", where=str(path), remedy="Name a file in it.")
-        if path.exists() and not os.access(path, os.W_OK):
+        if mode and not stat.S_ISREG(mode):
+            raise OutputError(
+                "This is a device or a pipe, not a file.", where=str(path), remedy="Name a file."
+            )
+        if mode and not os.access(path, os.W_OK):
             raise OutputError(
                 "There is a file, and it may not be overwritten.",
                 where=str(path),
@@ -74,6 +84,47 @@ def check_writable(path: Path) -> None:
     except (OSError, ValueError) as error:
         known = error if isinstance(error, OSError) else OSError(str(error))
         raise output_error(path, known) from error
+
+
+def check_spares_level(path: Path, level: Path, named: Iterable[Path], option: str) -> None:
+    """Refuse a result that would take the place of the level or of a file that it names.
+
+    Args:
+        path: Where the result goes.
+        level: The level.
+        named: The files that it names, as seen from its folder.
+        option: With which the user chose `path`.
+
+    Raises:
+        OutputError: It would.
+    """
+    for own in (level, *(level.parent / name for name in named)):
+        if _same(path, own) or os.path.realpath(path) == os.path.realpath(own):
+            what = "the level" if own == level else "a file that the level needs"
+            raise OutputError(
+                f"The result would overwrite {what}.",
+                where=str(path),
+                remedy=f"Choose another name with {option}.",
+            )
+
+
+def check_measurements(path: Path) -> None:
+    """Refuse a file of measurements that would destroy something, or that could not be written.
+
+    Raises:
+        OutputError: There is another file than an earlier one of ours, or the system refuses to write there.
+    """
+    check_writable(path)
+    try:
+        spared = path.exists() and path.stat().st_size and not _holds_measurements(path)
+    except OSError as error:
+        raise output_error(path, error) from error
+    if spared:
+        raise OutputError(
+            "Another file is there, which holds no measurements of Gnomon: it is not overwritten.",
+            where=str(path),
+            remedy="Choose another name with --measurements, or move that file away.",
+        )
 
 
 def ready_folder(folder: Path) -> None:
@@ -99,6 +150,26 @@ def ready_folder(folder: Path) -> None:
             known=failure.known,
             remedy=failure.remedy.replace("-o", "--pictures"),
         ) from error
+
+
+def _mode(path: Path) -> int:
+    """Kind and permissions of what is at `path`, behind all links; 0 where there is nothing."""
+    try:
+        return path.stat().st_mode
+    except FileNotFoundError:
+        return 0
+
+
+def _holds_measurements(path: Path) -> bool:
+    with path.open("rb") as file:
+        # Files of other programs can be huge: their first byte is enough.
+        if file.read(1) != b"{":
+            return False
+        try:
+            record = json.loads(b"{" + file.read())
+        except (ValueError, RecursionError):
+            return False
+    return tuple(record) == MEASUREMENT_KEYS and isinstance(record["lights"], list)
 
 
 def _same(first: Path, second: Path) -> bool:

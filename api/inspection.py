@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from api.shells import Shells
-from api.wording import counted
+from api.wording import counted, path_words
 from scenes.level import Level
 from scenes.scene import Array, Camera, Light, LightKind, Mesh, Scene
 
@@ -44,7 +44,7 @@ class Inspection:
         scene, shells = self.level.scene, self.shells
         low, high = scene.bounds.tolist()
         return {
-            "level": str(self.level.path),
+            "level": path_words(self.level.path),
             "format": self.level.format,
             "scene": scene.name,
             "digest": scene.digest,

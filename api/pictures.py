@@ -60,9 +60,10 @@ def light_words(lights: Sequence[Light]) -> dict[int, str]:
     """For each light, by its place in the list, a word for file names that no other light has."""
     words = [file_word(light.name) for light in lights]
     # Some file systems do not tell capitals.
-    often = Counter(word.casefold() for word in words)
-    unique = {}
-    for index, (light, word) in enumerate(zip(lights, words, strict=True)):
-        number = index if light.node is None else light.node
-        unique[index] = word if often[word.casefold()] == 1 else f"{word}.node{number}"
-    return unique
+    while shared := {word for word, often in Counter(map(str.casefold, words)).items() if often > 1}:
+        # A word with a node may be another light's name: then that light gets its node too.
+        words = [
+            f"{word}.node{index if light.node is None else light.node}" if word.casefold() in shared else word
+            for index, (light, word) in enumerate(zip(lights, words, strict=True))
+        ]
+    return dict(enumerate(words))

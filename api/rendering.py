@@ -9,15 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from api.choosing import chosen_cameras, chosen_lights, require_file, require_triangles
-from api.destinations import check_writable
+from api.destinations import check_spares_level, check_writable
 from api.pictures import Picture, file_word, write_png
 from api.technique_choice import chosen_technique
+from api.wording import path_words
 from renderers.context import DeviceLimits, Gpu
 from renderers.registry import technique
 from renderers.technique import Setting, Settings
 from scenes.errors import DeviceError, GnomonError, LevelError, OutputError
-from scenes.formats.registry import read_level
+from scenes.formats.registry import format_of, read_level
 from scenes.level import Level
+from scenes.level_file import read_level_file
 from scenes.scene import Camera, Light, LightKind
 from selector.candidate import Candidate
 from selector.level_measuring import seen_lights
@@ -90,8 +92,8 @@ class Rendering:
         """Everything as JSON values."""
         measurement, run = self.measurement, self.run
         return {
-            "level": str(self.level.path),
-            "picture": str(self.output),
+            "level": path_words(self.level.path),
+            "picture": path_words(self.output),
             "light": light_record(measurement.light),
             "camera": self.camera.name,
             "resolution": [measurement.width, measurement.height],
@@ -126,11 +128,13 @@ def rendered(order: Order) -> Rendering:
     require_triangles(level)
     lights = chosen_lights(level, _one(order.light))
     light = lights[0]
+    named = format_of(order.level).companions(read_level_file(order.level), order.level)
     camera = _camera(level, light, order.camera)
     with Gpu(order.device) as gpu:
         settings = chosen_settings(order, light.kind, gpu.device.limits)
         candidate = Candidate.of(method, settings)
         output = order.output or _default_output(level, light, candidate)
+        check_spares_level(output, order.level, named, "-o")
         check_writable(output)
         measurement, picture = _measured(gpu, level, light, camera, candidate, order)
     write_png(output, picture)
@@ -182,14 +186,14 @@ def _measured(
 
 def _camera(level: Level, light: Light, wanted: str | None) -> Camera:
     cameras = chosen_cameras(level, _one(wanted))[:1]
-    views = seen_lights(level.scene, [light], cameras)[0].cameras
-    if not views:
+    (seen,) = seen_lights(level.scene, [light], cameras)
+    if not seen.cameras:
         raise LevelError(
-            "This light strikes no surface within its reach, so there is no view of it.",
+            seen.problem,
             where=f"{level.path}, light {light.name}",
             remedy="Choose another light, or add a camera to the level.",
         )
-    return views[0]
+    return seen.cameras[0]
 
 
 def _default_output(level: Level, light: Light, candidate: Candidate) -> Path:

@@ -15,13 +15,22 @@ from selector.measurement import LightMeasurement, Status
 from selector.measuring import Bench, OnPicture, OnStep, Plan
 from selector.recommendation import DEFAULT_MAX_EDGE_ERROR_PX, Recommendation, recommend
 
+STRIKES_NOTHING = "It strikes no surface within its reach, so there is no view of it."
+
 
 @dataclass(frozen=True)
 class SeenLight:
-    """A light with the views it is judged over."""
+    """A light with the views it is judged over.
+
+    Attributes:
+        light: The light.
+        cameras: Its views.
+        problem: Why it has none; empty where it has some.
+    """
 
     light: Light
     cameras: tuple[Camera, ...]
+    problem: str = ""
 
 
 @dataclass(frozen=True)
@@ -68,13 +77,22 @@ def seen_lights(
 ) -> tuple[SeenLight, ...]:
     """Each light with its views: `cameras`, else the level's own, else four viewpoints made for it.
 
-    A light has no views where the level has no cameras and the light strikes nothing.
+    A light has no views where the level has no cameras and the light strikes nothing, or where making
+    viewpoints for it failed.
     """
     chosen = tuple(cameras or scene.cameras)
     if chosen:
         return tuple(SeenLight(light, chosen) for light in lights)
     caster = RayCaster(scene, casters_only=False)
-    return tuple(SeenLight(light, viewpoints(scene, light, caster)) for light in lights)
+    return tuple(_seen_from_viewpoints(scene, light, caster) for light in lights)
+
+
+def _seen_from_viewpoints(scene: Scene, light: Light, caster: RayCaster) -> SeenLight:
+    try:
+        cameras = viewpoints(scene, light, caster)
+    except Exception as error:  # noqa: BLE001  the other lights must not be lost with this one
+        return SeenLight(light, (), _words(error))
+    return SeenLight(light, cameras, "" if cameras else STRIKES_NOTHING)
 
 
 def answers(
@@ -88,20 +106,19 @@ def answers(
     """One answer for each light, as soon as it is there. What goes wrong with one light stays with it."""
     for one in seen:
         if not one.cameras:
-            yield Answer(
-                one.light, problem="It strikes no surface within its reach, so there is no view of it."
-            )
+            yield Answer(one.light, problem=one.problem or STRIKES_NOTHING)
             continue
         wanted = candidates(one.light.kind, limits, request.techniques)
+        measurement = None
         try:
             measurement = bench.measure(
                 one.light, one.cameras, wanted, on_step=on_step, on_picture=on_picture
             )
+            mobility = request.mobility or one.light.mobility
+            recommendation = recommend(measurement, mobility, request.max_edge_error_px)
         except Exception as error:  # noqa: BLE001  hours of other lights must not be lost with this one
-            yield Answer(one.light, problem=_words(error))
+            yield Answer(one.light, measurement=measurement, problem=_words(error))
             continue
-        mobility = request.mobility or one.light.mobility
-        recommendation = recommend(measurement, mobility, request.max_edge_error_px)
         problem = "" if recommendation else _why_none(measurement)
         yield Answer(one.light, recommendation, measurement, problem)
 

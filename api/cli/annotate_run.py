@@ -11,13 +11,18 @@ from rich.text import Text
 
 from api.annotating import Order, Workload, clear_level, result_record, workload, write_results
 from api.cli.annotation_table import print_answers
-from api.cli.failures import EXIT_INCOMPLETE, InterruptedRunError, report
+from api.cli.failures import EXIT_INCOMPLETE, InterruptedRunError, internal, report
 from api.cli.level_warnings import print_left_behind, print_warnings
 from api.cli.progress import MeasuringProgress
-from api.cli.terminal import errors, print_json, printable, results
-from api.wording import counted
+from api.cli.terminal import errors, flush_results, print_json, printable, results
+from api.wording import counted, path_words
+from scenes.errors import GnomonError, OutputError
 from selector.candidate import candidates
 from selector.level_measuring import Answer
+
+MOST_FILES = 10
+LONGEST_PATH = 4096
+"""What Linux takes: the path of a result is never shortened."""
 
 
 def run_annotate(order: Order, *, as_json: bool) -> None:
@@ -30,18 +35,26 @@ def run_annotate(order: Order, *, as_json: bool) -> None:
     with workload(order) as work:
         found = _measured(work)
         written = write_results(work, found)
-    if as_json:
-        print_json(result_record(work, found, written))
-    else:
-        console = results()
-        print_answers(console, work, found)
-        _print_outputs(console, work, written)
+    try:
+        _print_result(work, found, written, as_json=as_json)
+    except OutputError as error:
+        work.problems.append(error)
     for problem in work.problems:
         report(problem)
     if work.problems:
         raise typer.Exit(work.problems[0].exit_code)
     if any(answer.recommendation is None for answer in found):
         raise typer.Exit(EXIT_INCOMPLETE)
+
+
+def _print_result(work: Workload, found: Sequence[Answer], written: Sequence[Path], *, as_json: bool) -> None:
+    if as_json:
+        print_json(result_record(work, found, written))
+    else:
+        console = results()
+        print_answers(console, work, found)
+        _print_outputs(console, work, written)
+    flush_results()
 
 
 def run_clear(level: Path, target: Path, *, in_place: bool, as_json: bool) -> None:
@@ -55,8 +68,8 @@ def run_clear(level: Path, target: Path, *, in_place: bool, as_json: bool) -> No
     if as_json:
         print_json(
             {
-                "level": str(level),
-                "output": str(target) if clearing.written else None,
+                "level": path_words(level),
+                "output": path_words(target) if clearing.written else None,
                 "restored": clearing.restored,
                 "note": clearing.note,
             }
@@ -80,6 +93,11 @@ def _measured(work: Workload) -> list[Answer]:
                 progress.light_done()
     except KeyboardInterrupt:
         raise _interrupted(work, len(found)) from None
+    except Exception as error:
+        if not found:
+            raise
+        # What was measured until then is still worth its level.
+        work.problems.append(error if isinstance(error, GnomonError) else internal(error))
     return found
 
 
@@ -110,7 +128,12 @@ def _interrupted(work: Workload, done: int) -> InterruptedRunError:
 def _print_outputs(console: Console, work: Workload, written: Sequence[Path]) -> None:
     order, problems = work.order, work.problems
     if written:
-        console.print(Text(f"Wrote {printable(', '.join(map(str, written)))}."), soft_wrap=True)
+        more = len(written) - MOST_FILES
+        first = [] if more <= 0 else [f"{counted(more, 'more file')}"]
+        listed = [*map(str, written[: MOST_FILES - 1]), *first, str(written[-1])] if more > 0 else written
+        console.print(
+            Text(f"Wrote {', '.join(printable(str(one), LONGEST_PATH) for one in listed)}."), soft_wrap=True
+        )
     elif not problems:
         console.print(Text("No level was written: there is nothing to annotate it with."), soft_wrap=True)
     if order.pictures and not problems:

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from api.annotating import Workload
-from api.cli.terminal import printable
+from api.cli.terminal import printable, printable_name
 from api.verdicts import measurement_of, off_words, shows_shadow_edge
 from api.wording import counted
 from renderers.technique import Settings
@@ -38,7 +38,9 @@ def print_answers(console: Console, work: Workload, found: Sequence[Answer]) -> 
         console.print()
     if not wide:
         for answer, recommendation in answered:
-            console.print(Text.assemble((printable(answer.light.name), "bold"), f": {recommendation.reason}"))
+            console.print(
+                Text.assemble((printable_name(answer.light.name), "bold"), f": {recommendation.reason}")
+            )
         if answered:
             console.print()
     _print_failed_candidates(console, [recommendation for _, recommendation in answered])
@@ -48,7 +50,7 @@ def print_answers(console: Console, work: Workload, found: Sequence[Answer]) -> 
             console.print(
                 Text.assemble(
                     ("no recommendation ", "bold red"),
-                    (f"{printable(answer.light.name)} (node {answer.light.node}): ", "bold"),
+                    (f"{printable_name(answer.light.name)} (node {answer.light.node}): ", "bold"),
                     printable(answer.problem + stays),
                 )
             )
@@ -78,7 +80,7 @@ def _table(recommendations: Sequence[Recommendation], *, wide: bool) -> Table:
         settings = dict(one.chosen.candidate.settings)
         color = "green" if one.within_limit else "yellow"
         cells: list[Text | str] = [
-            Text(printable(one.light.name)),
+            Text(printable_name(one.light.name)),
             Text(one.chosen.candidate.method.label, style=f"bold {color}"),
             _map_size(settings),
             str(settings.get("filter", NOTHING)),
@@ -118,7 +120,7 @@ def _print_failed_candidates(console: Console, recommendations: Sequence[Recomme
             console.print(
                 Text.assemble(
                     ("not weighed ", "bold yellow"),
-                    (f"{printable(one.light.name)}: ", "bold"),
+                    (f"{printable_name(one.light.name)}: ", "bold"),
                     printable(f"{', '.join(labels)}: {reason.replace('_', ' ')}"),
                 )
             )

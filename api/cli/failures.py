@@ -12,7 +12,7 @@ from typing import ParamSpec, TypeVar
 import typer
 from rich.text import Text
 
-from api.cli.terminal import errors, printable
+from api.cli.terminal import errors, flush_results, printable, silence
 from scenes.errors import GnomonError
 
 EXIT_INTERNAL, EXIT_USAGE, EXIT_INCOMPLETE, EXIT_INTERRUPTED = 1, 2, 6, 130
@@ -63,7 +63,7 @@ def interrupted() -> InterruptedRunError:
 def internal(error: Exception) -> GnomonError:
     """Our own bug, or a machine out of memory, in words."""
     if os.environ.get(DEBUG_VARIABLE):
-        traceback.print_exception(error, file=sys.stderr)
+        errors().file.write("".join(traceback.format_exception(error)))
     if isinstance(error, MemoryError):
         return GnomonError("There is not enough memory for this.", known=str(error))
     frame = traceback.extract_tb(error.__traceback__)[-1]
@@ -91,9 +91,9 @@ def failing_cleanly(command: Callable[Options, Result]) -> Callable[Options, Res
     @wraps(command)
     def run(*args: Options.args, **options: Options.kwargs) -> Result:
         try:
-            return _flushed(command(*args, **options))
+            return _flushed(command, *args, **options)
         except BrokenPipeError:
-            _silence()
+            silence(sys.stdout)
             raise typer.Exit(EXIT_CLOSED_PIPE) from None
         except GnomonError as error:
             failure = error
@@ -110,14 +110,12 @@ def failing_cleanly(command: Callable[Options, Result]) -> Callable[Options, Res
     return run
 
 
-def _flushed(result: Result) -> Result:
-    """`result`, all of whose output has reached its reader."""
-    sys.stdout.flush()
+def _flushed(command: Callable[Options, Result], *args: Options.args, **options: Options.kwargs) -> Result:
+    """What the command gives, all of its output having reached its reader."""
+    try:
+        result = command(*args, **options)
+    except typer.Exit:
+        flush_results()
+        raise
+    flush_results()
     return result
-
-
-def _silence() -> None:
-    """Nothing that is still in a buffer may complain about the closed pipe when the program ends."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    for stream in (sys.stdout, sys.stderr):
-        os.dup2(nowhere, stream.fileno())

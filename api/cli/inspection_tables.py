@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from api.cli.terminal import printable
+from api.cli.terminal import printable, printable_name
 from api.inspection import Inspection, mesh_count
 from api.shells import Shells
 from api.wording import counted
@@ -36,7 +36,7 @@ def print_inspection(console: Console, inspection: Inspection) -> None:
     summary.add_column(style="dim")
     summary.add_column(overflow="fold")
     summary.add_row("format", level.format)
-    summary.add_row("scene", printable(scene.name))
+    summary.add_row("scene", printable_name(scene.name))
     summary.add_row("digest", scene.digest)
     summary.add_row("triangles", f"{scene.triangle_count:,} in {meshes}")
     summary.add_row("casters", _shells(inspection.shells))
@@ -120,7 +120,7 @@ def _camera_table(cameras: tuple[Camera, ...], width: int) -> Table:
 
 def _addresses(found: Sequence[Light | Camera]) -> list[_Column]:
     """By these the other commands know them: no screen is too narrow for them."""
-    names = [printable(one.name) for one in found]
+    names = [printable_name(one.name) for one in found]
     return [
         _Column("#", [str(index) for index in range(len(found))], right=True, narrowest=len(str(len(found)))),
         _Column("node", [_number(one.node) for one in found], right=True, narrowest=4),

@@ -1,61 +1,40 @@
-"""The `gnomon` command line."""
+"""The entry point of the `gnomon` program. It imports nothing large before Ctrl-C is looked after."""
 
 from __future__ import annotations
 
 import sys
-from importlib.metadata import version
-from typing import Annotated
 
-import typer
-
-from api.cli.annotate import annotate
-from api.cli.devices import devices
-from api.cli.failures import epilog, failing_cleanly, interrupted, report
-from api.cli.help_pages import PlainCommand, PlainGroup, help_text
-from api.cli.inspect import inspect
-from api.cli.render import render
-
-app = typer.Typer(
-    name="gnomon",
-    cls=PlainGroup,
-    help="Which shadow technique should each light use? Gnomon measures it, and writes it into the level.",
-    epilog=epilog(annotates=True),
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-for command in (annotate, inspect, render, devices):
-    app.command(cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=command is annotate))(
-        failing_cleanly(command)
-    )
-
-
-def _print_version(value: bool) -> None:  # noqa: FBT001  Typer calls it so
-    if value:
-        typer.echo(f"gnomon {version('gnomon')}")
-        raise typer.Exit
-
-
-@app.callback()
-def _program(
-    *,
-    version_wanted: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
-    ] = False,
-) -> None:
-    """Take the options of the program itself."""
-    del version_wanted
+EXIT_INTERRUPTED = 130
+"""As in `api.cli.failures`, which may not be there yet when it is needed."""
 
 
 def main() -> None:
-    """The entry point of the `gnomon` program."""
+    """Run the program."""
     try:
-        app()
+        from api.cli.failures import report  # noqa: PLC0415
+        from api.cli.program import app  # noqa: PLC0415
+        from api.cli.terminal import StdoutStream, open_missing_streams  # noqa: PLC0415
+        from scenes.errors import OutputError  # noqa: PLC0415
+
+        open_missing_streams()
+        # What cannot be encoded in the user's locale is escaped.
+        for stream in (sys.stdout, sys.stderr):
+            if reconfigure := getattr(stream, "reconfigure", None):
+                reconfigure(errors="backslashreplace")
+        try:
+            app(standalone_mode=True)
+        except OSError as error:
+            # Help and the version are printed by Typer itself.
+            failure = StdoutStream(sys.stdout).failure(error)
+            if not isinstance(failure, OutputError):
+                raise
+            report(failure)
+            sys.exit(failure.exit_code)
     except KeyboardInterrupt:
         # Before a command has begun, or while the last one is leaving.
-        failure = interrupted()
-        report(failure)
-        sys.exit(failure.exit_code)
+        if sys.stderr:
+            sys.stderr.write("interrupted: Interrupted.\n  No half-written file is left behind.\n")
+        sys.exit(EXIT_INTERRUPTED)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,12 @@ from typing import Annotated
 
 import typer
 
-SMALLEST_SIDE, LARGEST_SIDE = 16, 8192
+from api.wording import shortened
+
+SMALLEST_SIDE, LARGEST_SIDE = 16, 4096
+"""8192x8192 took 12.5 GB of memory; a quarter of its pixels fits common machines."""
+MOST_DIGITS = 9
+LONGEST_SHOWN = 60
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,18 @@ def whole_number(low: int, high: int) -> Callable[[str | int], int]:
     return parse
 
 
+def parse_device(text: str) -> str:
+    """A device's name or number.
+
+    Raises:
+        BadParameter: It is empty, which would be a part of every name, or longer than any number.
+    """
+    if not text.strip() or (text.isdecimal() and len(text) > MOST_DIGITS):
+        shown = shortened(text, LONGEST_SHOWN)
+        raise typer.BadParameter(f'"{shown}" is no device; `gnomon devices` lists them.')
+    return text
+
+
 def one_of(*choices: str) -> Callable[[str], str]:
     """A parser of one of these words; it raises BadParameter for any other."""
 
@@ -104,6 +121,7 @@ Device = Annotated[
     typer.Option(
         "--device",
         metavar="NAME|INDEX",
+        parser=parse_device,
         help="Which GPU, as `gnomon devices` lists them.",
         show_default="the first that works",
     ),

@@ -14,7 +14,7 @@ from typing import Any
 
 from typer.testing import CliRunner, Result
 
-from api.cli.main import app
+from api.cli.program import app
 
 ROOT = Path(__file__).parents[2]
 QUICK = ("--resolution", "96x64", "--rounds", "1", "--techniques", "SV")

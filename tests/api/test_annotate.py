@@ -430,57 +430,6 @@ def test_an_interrupt_says_how_far_it_was(
     assert files(tmp_path) == {"small.glb"}
 
 
-@pytest.fixture
-def text_level(level: Path) -> Path:
-    """A .gltf in a folder of its own, with a buffer beside it and an image outside."""
-    source = level.read_bytes()
-    length = int.from_bytes(source[12:16], "little")
-    document = json.loads(source[20 : 20 + length])
-    document["buffers"][0]["uri"] = "small.bin"
-    document["images"] = [{"uri": "../wood.png"}]
-    folder = level.parent / "level"
-    folder.mkdir()
-    (level.parent / "wood.png").write_bytes(b"png")
-    (folder / "small.bin").write_bytes(source[28 + length :])
-    (folder / "small.gltf").write_text(json.dumps(document))
-    return folder / "small.gltf"
-
-
-def test_a_gltf_takes_its_files_along(text_level: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "out"
-    folder.mkdir()
-    result = gnomon("annotate", text_level, *QUICK, "-o", folder / "new.gltf")
-    assert result.exit_code == 0, result.stderr
-    assert files(folder) == {"new.gltf", "small.bin"}
-    assert read_level(folder / "new.gltf").scene.digest == small_scene().digest
-    # It lies as deep as the level's own folder, so that the image is found from there too.
-    assert "taken along" not in result.stderr
-
-
-def test_files_that_are_not_taken_along_are_named(text_level: Path, tmp_path: Path) -> None:
-    (tmp_path / "far/out").mkdir(parents=True)
-    output = tmp_path / "far/out/new.gltf"
-    made = succeeded("annotate", text_level, *QUICK, "--light", "Sun", "-o", output, width=200)
-    cleared = succeeded("annotate", text_level, "--clear", "-o", output.with_stem("cleared"), width=200)
-    for result in (made, cleared):
-        assert "warning: " in result.stderr
-        assert "which are not taken along: ../wood.png." in result.stderr
-
-
-def test_other_files_in_the_way_are_found_before_anything_is_measured(
-    text_level: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(Bench, "measure", Mock(side_effect=AssertionError("it was measured")))
-    folder = tmp_path / "out"
-    folder.mkdir()
-    (folder / "small.bin").write_bytes(b"somebody's work")
-    result = gnomon("annotate", text_level, *QUICK, "-o", folder / "new.gltf", width=200)
-    assert result.exit_code == 5
-    assert "A different file of this name is there" in result.stderr
-    assert "measured" not in result.stderr
-    assert files(folder) == {"small.bin"}
-
-
 def test_what_the_reader_warns_of_is_told_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     level = small_level(tmp_path)

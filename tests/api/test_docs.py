@@ -10,7 +10,7 @@ import pytest
 from typer.main import get_command
 
 from api.cli.failures import EXIT_MEANINGS
-from api.cli.main import app
+from api.cli.program import app
 from scenes.errors import DeviceError, GnomonError, LevelError, OutputError
 from tests.api.command import QUICK, answered
 from tests.small_level import small_level

@@ -113,7 +113,7 @@ def test_an_unknown_scene_is_exit_3(tmp_path: Path) -> None:
 def test_neither_help_nor_inspect_loads_what_it_does_not_need(tmp_path: Path) -> None:
     path = small_level(tmp_path)
     code = (
-        "import sys; from api.cli.main import app; "
+        "import sys; from api.cli.program import app; "
         "app(sys.argv[1:], standalone_mode=False); "
         f"print([name for name in {(*HEAVY, 'numpy')!r} if name in sys.modules], file=sys.stderr)"
     )

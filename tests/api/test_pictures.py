@@ -57,3 +57,10 @@ def test_lights_of_one_name_get_files_of_their_own() -> None:
         replace(SUN, name="Sun", node=5),
     ]
     assert light_words(lights) == {0: "Torch.node3", 1: "torch.node4", 2: "Sun"}
+
+
+def test_a_light_called_like_another_s_file_gets_one_of_its_own() -> None:
+    names = ["lamp", "lamp", "lamp.node3", "LAMP.node3.node5"]
+    lights = [replace(SPOT, name=name, node=3 + index) for index, name in enumerate(names)]
+    words = light_words(lights)
+    assert len({word.casefold() for word in words.values()}) == 4

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 import pty
+import shlex
 import signal
+import subprocess
 from importlib.metadata import version
 from pathlib import Path
 from unittest.mock import Mock
@@ -130,8 +132,6 @@ def test_a_terminal_gets_a_bar_and_colors_unless_it_says_no(level: Path, no_colo
 
 
 def _on_a_terminal(*arguments: object, no_color: bool) -> str:
-    import subprocess  # noqa: PLC0415
-
     ours, theirs = pty.openpty()
     more = {"TERM": "xterm-256color", "COLUMNS": "120", **({"NO_COLOR": "1"} if no_color else {})}
     with subprocess.Popen(
@@ -149,3 +149,39 @@ def _on_a_terminal(*arguments: object, no_color: bool) -> str:
         assert process.wait(timeout=60) == 0
     os.close(ours)
     return shown.decode()
+
+
+def _in_a_shell(redirection: str, *arguments: object) -> subprocess.CompletedProcess[str]:
+    command = f"exec {shlex.join(program(*arguments))} {redirection}"
+    return subprocess.run(
+        ["bash", "-c", command], env=environment(), capture_output=True, text=True, check=False, timeout=120
+    )
+
+
+@pytest.mark.parametrize("command", ["inspect", "annotate", "--version"])
+def test_a_full_stdout_is_exit_5_and_costs_no_level(level: Path, tmp_path: Path, command: str) -> None:
+    options = {"inspect": ("inspect", level), "annotate": ("annotate", level, *QUICK)}
+    done = _in_a_shell("> /dev/full", *options.get(command, (command,)))
+    assert done.returncode == 5
+    assert "error: Stdout cannot be written." in done.stderr
+    assert "bug" not in done.stderr
+    assert (tmp_path / "small.annotated.glb").exists() is (command == "annotate")
+
+
+@pytest.mark.parametrize("redirection", ["2> /dev/full", "2>&-", ">&-", ">&- 2>&-"])
+def test_a_closed_stream_or_a_full_stderr_aborts_nothing(
+    level: Path, tmp_path: Path, redirection: str
+) -> None:
+    done = _in_a_shell(redirection, "annotate", level, *QUICK)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "small.annotated.glb").exists()
+
+
+def test_ctrl_c_during_the_imports_is_no_traceback(tmp_path: Path) -> None:
+    # A Rich that interrupts stands for the user who does while it is imported.
+    (tmp_path / "rich").mkdir()
+    (tmp_path / "rich/__init__.py").write_text("raise KeyboardInterrupt\n")
+    done = started("--version", PYTHONPATH=f"{tmp_path}:{environment()['PYTHONPATH']}")
+    assert done.returncode == 130
+    assert done.stderr.startswith("interrupted: ")
+    assert "Traceback" not in done.stderr

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -133,3 +134,18 @@ def test_a_level_without_triangles_is_refused(tmp_path: Path) -> None:
     result = gnomon("render", level, "-o", tmp_path / "p.png")
     assert result.exit_code == 3
     assert "no triangles" in result.stderr
+
+
+def test_a_picture_takes_no_texture_s_place(level: Path, tmp_path: Path) -> None:
+    source = level.read_bytes()
+    length = int.from_bytes(source[12:16], "little")
+    document = json.loads(source[20 : 20 + length])
+    document["buffers"][0]["uri"] = "small.bin"
+    document["images"] = [{"uri": "wood.png"}]
+    (tmp_path / "wood.png").write_bytes(b"png")
+    (tmp_path / "small.bin").write_bytes(source[28 + length :])
+    (tmp_path / "small.gltf").write_text(json.dumps(document))
+    result = gnomon("render", tmp_path / "small.gltf", *SMALL, "-o", tmp_path / "wood.png")
+    assert result.exit_code == 5
+    assert "a file that the level needs" in result.stderr.replace("\n", " ")
+    assert (tmp_path / "wood.png").read_bytes() == b"png"

@@ -9,6 +9,7 @@ import pytest
 from renderers.context import Gpu
 from renderers.shadow_map import ShadowMap
 from scenes.errors import DeviceError
+from scenes.ray_caster import RayCaster
 from scenes.scene import Camera, Light, LightKind, Mobility, Scene
 from scenes.viewpoints import viewpoints
 from selector.level_measuring import Answer, Request, answers, seen_lights
@@ -112,3 +113,17 @@ def test_steps_of_a_request_follow_views_and_kind(gpu: Gpu) -> None:
     spot, point, _ = (request.steps(one, limits) for one in seen_lights(scene, scene.lights))
     assert spot == 2 * (len(ShadowMap().candidates(LightKind.SPOT, limits)) + 1) * (1 + 3)
     assert point == 2 * (len(ShadowMap().candidates(LightKind.POINT, limits)) + 1) * (1 + 3)
+
+
+def test_a_light_for_which_no_viewpoint_can_be_made_costs_no_other(
+    ask: Callable[..., list[Answer]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failing(scene: Scene, light: Light, caster: RayCaster) -> tuple[Camera, ...]:
+        if light.name == "Bad":
+            raise ZeroDivisionError("a bug")
+        return viewpoints(scene, light, caster)
+
+    monkeypatch.setattr("selector.level_measuring.viewpoints", failing)
+    found = ask(small_scene((named(POINT, "Bad"), SPOT), cameras=()), Request(techniques=("SV",), plan=PLAN))
+    assert "ZeroDivisionError" in found[0].problem
+    assert found[1].recommendation is not None
