@@ -88,7 +88,8 @@ def _replace(target: Path, data: bytes, existing: os.stat_result | None) -> None
             os.close(descriptor)
         temporary.replace(target)
     except BaseException:
-        temporary.unlink()
+        # An interrupt may come when the file has its name already.
+        temporary.unlink(missing_ok=True)
         raise
 
 

@@ -6,7 +6,12 @@ import stat
 from pathlib import Path
 
 from scenes.errors import LevelError
+from scenes.gltf.json_chunk import MAGIC
 
+# A GLB states its length in 32 bits (glTF 2.0, section 4.4.2), and no level file of another kind is longer.
+LONGEST_FILE = 2**32
+# Decoded, JSON takes several times its bytes of memory; real files of this length hold their buffers outside.
+LONGEST_TEXT = 2**30
 LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 
 
@@ -19,11 +24,12 @@ def is_folder(path: Path) -> bool:
 
 
 def read_level_file(path: Path, limit: int | None = None) -> bytes:
-    """The bytes of a regular file, at most `limit` of them.
+    """The bytes of a regular file: at most `limit` of them, or else all of a level.
 
     Raises:
         LevelError: There is no such file, it is a directory, a device or a pipe, it is empty, it may not
-            be read, or it is a git LFS pointer instead of the file itself.
+            be read, it is a git LFS pointer instead of the file itself, or, without `limit`, longer than
+            a level may be: 4 GiB for a GLB, 1 GiB for text.
     """
     try:
         status = path.stat()
@@ -36,6 +42,9 @@ def read_level_file(path: Path, limit: int | None = None) -> bytes:
                 remedy="Save it as a file first.",
             )
         with path.open("rb") as file:
+            if limit is None:
+                _refuse_long(path, file.read(len(MAGIC)), status.st_size)
+                file.seek(0)
             # The size on disk bounds what is allocated, whatever length a level claims.
             content = file.read(status.st_size if limit is None else min(limit, status.st_size))
     except (FileNotFoundError, NotADirectoryError):
@@ -59,3 +68,14 @@ def read_level_file(path: Path, limit: int | None = None) -> bytes:
             remedy="Run `git lfs pull` in its repository.",
         )
     return content
+
+
+def _refuse_long(path: Path, start: bytes, size: int) -> None:
+    longest = LONGEST_FILE if start == MAGIC else LONGEST_TEXT
+    if size > longest:
+        raise LevelError(
+            "This file is too long for a level.",
+            where=str(path),
+            known=f"It has {size:,} bytes; at most {longest:,} are read.",
+            remedy="Split the level, or keep buffers and images in files of their own.",
+        )

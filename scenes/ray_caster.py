@@ -32,6 +32,7 @@ ten times what float32 needs.
 """
 
 _INNER_EXTENT = 512.0  # Embree's own thresholds are absolute: every scene is handed to it at about this size.
+_FARTHEST = 1e15  # inner units: float32 cannot tell the scene's ends apart from there, but can square it
 
 
 class RayCaster:
@@ -126,7 +127,9 @@ class RayCaster:
             return self._blocked(origins, directions, np.full(len(origins), np.inf, np.float32))
         # From the rounded origin, so that the segment still ends at the light.
         inner_light = (light.homogeneous[:3] - self._centre) * self._scale
-        directions = (inner_light - origins).astype(np.float32)
+        towards = inner_light - origins
+        beyond = np.maximum(np.abs(towards).max(axis=1, keepdims=True, initial=0.0) / _FARTHEST, 1.0)
+        directions = (towards / beyond).astype(np.float32)
         length = np.linalg.norm(directions, axis=1) / self._scale
         ends = 1 - np.minimum(offset / np.maximum(length, offset), 1)
         return self._blocked(origins, directions, ends.astype(np.float32))
@@ -142,7 +145,8 @@ class RayCaster:
         return blocked
 
     def _inner(self, points: Array) -> npt.NDArray[np.float32]:
-        return ((points - self._centre) * self._scale).astype(np.float32)
+        inner = (points - self._centre) * self._scale
+        return np.clip(inner, -_FARTHEST, _FARTHEST).astype(np.float32)
 
 
 def _merged(meshes: list[Mesh]) -> tuple[Array, npt.NDArray[np.int32]]:

@@ -22,6 +22,8 @@ _SURROUNDINGS = 0.1  # of the extent: so far outside the scene's bounds an eye m
 _HEMMED_IN = 0.05  # of the wanted distance: a place that can only be seen from so near is a last resort
 _SEEN = 1e-3  # of the distance: what the eye strikes may be so far from the place, for the grid of both
 _LIFT = 1e-5  # of the extent: above the surface, where the free path begins
+# Metres: the squares and inverses of what is smaller leave the floats.
+_SMALLEST_EXTENT = 1e-30
 
 
 @dataclass(frozen=True)
@@ -52,12 +54,12 @@ def viewpoints(scene: Scene, light: Light, caster: RayCaster | None = None) -> t
     wanted distance, up to 65 degrees aside are tried.
 
     Args:
-        scene: Its cameras do not count.
+        scene: Its cameras do not count. One smaller than 1e-30 m has no views.
         light: One of its lights.
         caster: Of this scene with `casters_only=False`, to spare building it again for each light.
     """
     extent = float(np.linalg.norm(scene.bounds[1] - scene.bounds[0]))
-    if extent == 0:
+    if extent < _SMALLEST_EXTENT:
         return ()
     caster = caster or RayCaster(scene, casters_only=False)
     places = lit_places(scene, light, caster)

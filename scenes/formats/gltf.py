@@ -8,6 +8,7 @@ from pathlib import Path
 from scenes.errors import LevelError
 from scenes.gltf import annotation
 from scenes.gltf import companions as named_files
+from scenes.gltf.amounts import refuse_too_much
 from scenes.gltf.asset import Asset, NoteBook
 from scenes.gltf.cameras import read_camera
 from scenes.gltf.container import open_container, parse_json
@@ -94,11 +95,13 @@ def _read(source: bytes, path: Path, scene_name: str | None) -> Level:
 
 def _scene(asset: Asset, path: Path, scene_name: str | None, notes: NoteBook) -> Scene:
     chosen = choose_scene(asset, scene_name, notes)
+    nodes = list(walk(asset, chosen))
+    refuse_too_much(asset, nodes)
     geometry = GeometryReader(asset, notes)
     meshes: list[Mesh] = []
     lights: list[Light] = []
     cameras: list[Camera] = []
-    for node in walk(asset, chosen):
+    for node in nodes:
         meshes += place_meshes(geometry, node, notes)
         light, camera = read_light(asset, node, notes), read_camera(asset, node, notes)
         lights += [light] if light is not None else []

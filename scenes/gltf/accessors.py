@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from scenes.errors import LevelError
 from scenes.gltf.asset import Asset
-from scenes.gltf.buffers import load_buffer
+from scenes.gltf.buffers import BufferReader
 from scenes.gltf.entry import Entry
 from scenes.scene import Positions
 
@@ -27,6 +27,7 @@ class AccessorReader:
 
     def __init__(self, asset: Asset) -> None:
         self._asset = asset
+        self._reader = BufferReader(asset)
         self._buffers: dict[int, memoryview] = {}
         self._positions: dict[int, Positions] = {}
 
@@ -109,7 +110,7 @@ class AccessorReader:
         index, buffer = self._asset.linked(view, "buffer", "buffers")
         start, length = view.integer("byteOffset", 0), view.integer("byteLength")
         if index not in self._buffers:
-            self._buffers[index] = load_buffer(self._asset, index, view.where)
+            self._buffers[index] = self._reader.content(index, view.where)
         content = self._buffers[index]
         if start + length > len(content):
             raise LevelError(

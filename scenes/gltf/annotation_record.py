@@ -6,14 +6,12 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from scenes.gltf.json_chunk import JsonChunk, find_json
+from scenes.gltf.json_chunk import PADDING, JsonChunk, find_json
 from scenes.gltf.json_splice import Item, RawJson, Span
 from scenes.light_annotation import MOBILITY_KEY, OWN_KEYS
 
 EXTENSION = "GNOMON_lights_shadow_technique"
 PREFIX = "gnomon_"
-# Some exporters pad the JSON chunk with zeros, against the specification.
-_GLB_PADDING = b" \t\n\r\0"
 
 
 @dataclass(frozen=True)
@@ -80,10 +78,7 @@ def opened(source: bytes, where: str) -> GltfFile:
         LevelError: It is not valid glTF JSON or GLB.
     """
     chunk = find_json(source, where=where)
-    if chunk.binary:
-        raw = RawJson(chunk.text, where=where, offset=chunk.start, trailing=_GLB_PADDING)
-    else:
-        raw = RawJson(chunk.text, where=where)
+    raw = RawJson(chunk.text, where=where, offset=chunk.start, trailing=PADDING)
     nodes = raw.member(raw.root, "nodes")
     if nodes is None or raw.kind(nodes.value) != "[":
         return GltfFile(chunk, raw, where)

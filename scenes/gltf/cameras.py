@@ -10,6 +10,7 @@ import math
 from scenes.errors import LevelError
 from scenes.gltf.asset import Asset, NoteBook
 from scenes.gltf.entry import Entry
+from scenes.gltf.magnitudes import require_divisor, require_near
 from scenes.gltf.nodes import PlacedNode
 from scenes.gltf.transforms import unit, upright, vector
 from scenes.scene import Camera
@@ -19,8 +20,8 @@ def read_camera(asset: Asset, node: PlacedNode, notes: NoteBook) -> Camera | Non
     """The perspective camera that a node carries, in world space; None without one.
 
     Raises:
-        LevelError: The camera does not exist or is malformed, or the node's transform leaves it without
-            a direction.
+        LevelError: The camera does not exist or is malformed or has numbers beyond float32, or the node's
+            transform leaves it without a direction or moves it too far.
     """
     if not node.entry.has("camera"):
         return None
@@ -38,6 +39,8 @@ def read_camera(asset: Asset, node: PlacedNode, notes: NoteBook) -> Camera | Non
         raise lens.wrong("yfov", "a full angle in (0, pi) radians")
     if near <= 0.0:
         raise lens.wrong("znear", "above 0 metres")
+    require_divisor(lens, "yfov", yfov, "radians")
+    require_divisor(lens, "znear", near, "metres")
     forward = unit(vector(-node.world[:3, 2]))
     up = upright(vector(node.world[:3, 1]), forward) if forward is not None else None
     if forward is None or up is None:
@@ -48,7 +51,7 @@ def read_camera(asset: Asset, node: PlacedNode, notes: NoteBook) -> Camera | Non
         )
     return Camera(
         name=node.entry.text("name") or camera.text("name") or f"camera {node.index}",
-        position=vector(node.world[:3, 3]),
+        position=require_near(vector(node.world[:3, 3]), "camera", camera.where),
         forward=forward,
         up=up,
         yfov_rad=yfov,

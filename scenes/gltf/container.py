@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import json
 import reprlib
+import sys
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from scenes.errors import LevelError
 from scenes.gltf.entry import Entry, printable
-from scenes.gltf.json_chunk import BINARY_CHUNK, CHUNK, MAGIC, JsonChunk, chunk_at, find_json
+from scenes.gltf.json_chunk import BINARY_CHUNK, CHUNK, MAGIC, PADDING, JsonChunk, chunk_at, find_json
 
 
 @dataclass(frozen=True)
@@ -97,8 +98,8 @@ def parse_json(text: bytes) -> Entry:
 
 def _decoded(text: bytes) -> Any:
     try:
-        # Some exporters pad with NUL, and some editors write a byte order mark.
-        return json.loads(text.rstrip(b"\0").decode("utf-8-sig"), parse_constant=_refuse_constant)
+        # Some editors write a byte order mark.
+        return json.loads(text.rstrip(PADDING).decode("utf-8-sig"), parse_constant=_refuse_constant)
     except UnicodeDecodeError as error:
         raise LevelError(
             "The JSON is not UTF-8.",
@@ -118,9 +119,15 @@ def _decoded(text: bytes) -> Any:
         raise LevelError(
             "The JSON is nested too deep.", where="JSON", remedy="No exporter writes this: export it again."
         ) from None
-    except ValueError as error:
-        raise LevelError("The JSON is not valid.", where="JSON", known=f"{error}.") from None
+    except ValueError:
+        # Nothing else is left that `json` refuses so.
+        raise LevelError(
+            "A number in the JSON has too many digits.",
+            where="JSON",
+            known=f"At most {sys.get_int_max_str_digits()} digits are read.",
+            remedy="No exporter writes this: export it again.",
+        ) from None
 
 
 def _refuse_constant(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is not a JSON number")
+    raise LevelError("The JSON is not valid.", where="JSON", known=f"{constant} is not a JSON number.")

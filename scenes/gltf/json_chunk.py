@@ -13,6 +13,8 @@ from scenes.errors import LevelError
 MAGIC = b"glTF"
 JSON_CHUNK = b"JSON"
 BINARY_CHUNK = b"BIN\0"
+# Some exporters pad with zeros, against the specification.
+PADDING = b" \t\n\r\0"
 HEADER = struct.Struct("<4sII")
 CHUNK = struct.Struct("<I4s")
 _LONGEST_GLB = 2**32 - 1

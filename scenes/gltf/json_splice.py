@@ -170,12 +170,12 @@ class RawJson:
 
     def removing(self, container: Span, drop: Collection[Item]) -> list[Edit]:
         """The edits that take items out with their commas; undoes `appending` byte for byte."""
-        items = self.items(container)
+        items, dropped = self.items(container), set(drop)
         edits = []
         index = 0
         while index < len(items):
             run = index
-            while run < len(items) and items[run] in drop:
+            while run < len(items) and items[run] in dropped:
                 run += 1
             if run > index:
                 if index > 0 or run == len(items):

@@ -14,6 +14,7 @@ import numpy as np
 from scenes.errors import LevelError
 from scenes.gltf.asset import LIGHTS, Asset, NoteBook
 from scenes.gltf.entry import Entry, printable
+from scenes.gltf.magnitudes import require_divisor, require_moderate, require_near
 from scenes.gltf.nodes import PlacedNode
 from scenes.gltf.transforms import Vector, unit, vector
 from scenes.light_annotation import MOBILITY_KEY
@@ -29,8 +30,8 @@ def read_light(asset: Asset, node: PlacedNode, notes: NoteBook) -> Light | None:
     """The light that a node carries, in world space; None where it carries none.
 
     Raises:
-        LevelError: The light does not exist, is malformed or has an illegal cone or range, or the node's
-            transform leaves it without a direction.
+        LevelError: The light does not exist, is malformed, has an illegal cone or range or numbers beyond
+            float32, or the node's transform leaves it without a direction or moves it too far.
     """
     link = node.entry.extension(LIGHTS)
     if link is None:
@@ -39,12 +40,15 @@ def read_light(asset: Asset, node: PlacedNode, notes: NoteBook) -> Light | None:
     light = Entry(definition.values, f"{definition.where} on {node.entry.where}")
     kind = _kind(light)
     red, green, blue = light.numbers("color", 3, (1.0, 1.0, 1.0))
+    require_moderate(light, "color", red, green, blue)
+    intensity = light.number("intensity", 1.0)
+    require_moderate(light, "intensity", intensity)
     plain = Light(
         name=node.entry.text("name") or light.text("name") or f"light {node.index}",
         kind=kind,
-        position=vector(node.world[:3, 3]),
+        position=require_near(vector(node.world[:3, 3]), "light", light.where),
         range_m=_range(light),
-        intensity=light.number("intensity", 1.0),
+        intensity=intensity,
         color=(red, green, blue),
         mobility=_mobility(node.entry, light, notes),
         node=node.index,
@@ -68,6 +72,8 @@ def _range(light: Entry) -> float:
     distance = light.number("range", math.inf)
     if distance <= 0.0:
         raise light.wrong("range", "above 0 metres, or absent for no end")
+    if math.isfinite(distance):
+        require_divisor(light, "range", distance, "metres, or absent for no end")
     return distance
 
 

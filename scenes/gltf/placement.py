@@ -8,18 +8,17 @@ from scenes.errors import LevelError
 from scenes.gltf.asset import NoteBook
 from scenes.gltf.extensions import INSTANCING
 from scenes.gltf.geometry import GeometryReader
+from scenes.gltf.magnitudes import LARGEST
 from scenes.gltf.nodes import PlacedNode
 from scenes.gltf.transforms import is_flat
 from scenes.scene import Mesh
-
-LARGEST_COORDINATE = float(np.finfo(np.float32).max)
 
 
 def place_meshes(geometry: GeometryReader, node: PlacedNode, notes: NoteBook) -> list[Mesh]:
     """The meshes that a node draws, with `node` set; they share the arrays of other nodes' meshes.
 
     Raises:
-        LevelError: The mesh is broken, or the node's transform squashes it or throws it out of float32.
+        LevelError: The mesh is broken, or the node's transform squashes it or moves it too far.
     """
     entry = node.entry
     if not entry.has("mesh"):
@@ -66,12 +65,12 @@ def place_meshes(geometry: GeometryReader, node: PlacedNode, notes: NoteBook) ->
 def _refuse_far(node: PlacedNode, reach: float) -> None:
     with np.errstate(over="ignore"):
         extent = np.abs(node.world[:3, :3]).sum(axis=1) * reach + np.abs(node.world[:3, 3])
-    # The GPU knows no greater numbers.
-    if not (extent <= LARGEST_COORDINATE).all():
+    if not (extent <= LARGEST).all():
         raise LevelError(
-            "The transform of this node moves its mesh beyond what 32-bit floats hold.",
+            f"The mesh of this node reaches farther than {LARGEST:g} metres from the origin.",
             where=node.entry.where,
-            known=f"Its world axes are {_axes(node)}.",
+            known=f"Its largest coordinate is {reach:g}; the node's world axes are {_axes(node)}.",
+            remedy="Check the mesh, and the translations and scales of the node and of those above it.",
         )
 
 

@@ -202,6 +202,24 @@ def test_an_interrupt_while_writing_leaves_the_old_file(
     assert [entry.name for entry in tmp_path.iterdir()] == ["level.glb"]
 
 
+def test_an_interrupt_just_after_the_file_got_its_name_stays_an_interrupt(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "level.glb"
+    rename = Path.replace
+
+    def interrupted(source: Path, to: Path) -> None:
+        rename(source, to)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            write_atomically(target, b"new")
+    assert target.read_bytes() == b"new"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["level.glb"]
+
+
 def test_a_folder_that_cannot_be_synced_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "level.glb"
     sync = os.fsync

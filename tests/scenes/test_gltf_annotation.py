@@ -453,3 +453,14 @@ def test_real_levels_are_annotated_and_restored(path: Path) -> None:
     cleared = clear(annotated)
     assert cleared.restored
     assert cleared.data == source
+
+
+@pytest.mark.parametrize("padding", [b"\0", b"\0\0\0", b" \n\0\0\n"])
+def test_zeros_behind_a_gltf_stay_byte_for_byte(padding: bytes) -> None:
+    source = light() + padding
+    annotated = annotate(source, {1: ADVICE})
+    assert annotated.endswith(b"}" + padding)
+    assert EXTENSION in json.loads(annotated.removesuffix(padding))["extensionsUsed"]
+    cleared = clear(annotated)
+    assert cleared.data == source
+    assert cleared.restored

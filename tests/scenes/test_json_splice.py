@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scenes.errors import LevelError
-from scenes.gltf.json_splice import Edit, RawJson, Span, spliced
+from scenes.gltf.json_splice import Edit, Item, RawJson, Span, spliced
 from tests.scenes.gltf_texts import NAMES, SCALARS, containers, gltf_texts, objects, values
 
 
@@ -174,3 +174,16 @@ def test_additions_are_spaced_like_the_items_before_them() -> None:
 def test_overlapping_edits_are_our_own_bug() -> None:
     with pytest.raises(AssertionError):
         spliced(b"abcdef", [Edit(0, 3, b""), Edit(2, 4, b"")])
+
+
+def test_removing_many_items_never_searches_a_list() -> None:
+    class Unsearched(list[Item]):
+        def __contains__(self, item: object) -> bool:
+            raise AssertionError("this takes as long as the list is")
+
+    raw = RawJson(b'{"a":[1,2,3,4,5]}')
+    member = raw.member(raw.root, "a")
+    assert member is not None
+    items = raw.items(member.value)
+    edits = raw.removing(member.value, Unsearched([items[0], items[2], items[4]]))
+    assert spliced(raw.text, edits) == b'{"a":[2,4]}'
