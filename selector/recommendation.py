@@ -174,7 +174,7 @@ def _unseen(measurement: LightMeasurement, chosen: Rated) -> str:
     if not any(view.pixels for view in figures):
         return "No view shows anything that this light reaches."
     if chosen.exceedance_px == 0 and not any(view.boundary_px for view in figures):
-        return "No view shows a shadow of this light."
+        return "No view shows an edge of this light's shadow."
     return ""
 
 

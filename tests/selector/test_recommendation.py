@@ -148,7 +148,7 @@ def test_time_is_the_mean_over_views_of_the_median_over_rounds() -> None:
     ("errors", "words"),
     [
         (figures(None, pixels=0), "No view shows anything that this light reaches."),
-        (figures(None, boundary_px=0.0), "No view shows a shadow of this light."),
+        (figures(None, boundary_px=0.0), "No view shows an edge of this light's shadow."),
     ],
 )
 def test_the_reason_says_where_views_say_nothing(errors: object, words: str) -> None:
