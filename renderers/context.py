@@ -146,24 +146,16 @@ class Gpu:
         GL.glTexBuffer(GL.GL_TEXTURE_BUFFER, GL.GL_RG32UI, buffer.glo)
         return name
 
-    def depth_texture(self, width: int, height: int, bits: int) -> moderngl.Texture:
-        """An uninitialised depth texture of 24 (fixed point) or 32 (float) bits, compared on request only."""
+    def depth_texture(self, width: int, height: int) -> moderngl.Texture:
+        """An uninitialised depth texture of 32-bit floats, compared on request only."""
         texture = self.ctx.depth_texture((width, height))
         texture.compare_func = ""
-        if bits == 32:
-            # moderngl only knows 24 bits: give the same texture object another storage.
-            GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
-            GL.glTexImage2D(
-                GL.GL_TEXTURE_2D,
-                0,
-                GL.GL_DEPTH_COMPONENT32F,
-                width,
-                height,
-                0,
-                GL.GL_DEPTH_COMPONENT,
-                GL.GL_FLOAT,
-                None,
-            )
+        # moderngl only knows 24 bits: give the same texture object another storage.
+        GL.glBindTexture(GL.GL_TEXTURE_2D, texture.glo)
+        size = (width, height, 0)
+        GL.glTexImage2D(
+            GL.GL_TEXTURE_2D, 0, GL.GL_DEPTH_COMPONENT32F, *size, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT, None
+        )
         return texture
 
 

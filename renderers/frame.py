@@ -43,7 +43,7 @@ class Frame(Owner):
         self.world, self.gpu = world, world.gpu
         self.width, self.height = width, height
         ctx = self.gpu.ctx
-        self.depth = self.gpu.depth_texture(width, height, bits=32)
+        self.depth = self.gpu.depth_texture(width, height)
         self.surface = ctx.texture((width, height), 2, dtype="u4")
         self.albedo = ctx.texture((width, height), 4)
         self.mask = ctx.texture((width, height), 1)

@@ -40,7 +40,7 @@ class MapPass:
         self.world, self.side, self.offset = world, side, offset
         gpu = world.gpu
         self.columns, self.rows = atlas_shape(faces)
-        self.texture = gpu.depth_texture(self.columns * side, self.rows * side, bits=32)
+        self.texture = gpu.depth_texture(self.columns * side, self.rows * side)
         self.memory_bytes = self.columns * self.rows * side * side * BYTES_PER_TEXEL
         self._target = gpu.ctx.framebuffer(depth_attachment=self.texture)
         self._program = shader.program(

@@ -77,20 +77,18 @@ class ShadowMapPass(ShadowPass):
         self._frame = frame
         self._side = int(settings["map_size"])
         self._focused = settings["focus"] == "view"
-        self._linear = settings["filter"] == "2x2"
         slope, self._normal_offset = auto_bias(FILTERS[str(settings["filter"])])
-        self._offset = (slope, OFFSET_UNITS)
-        self._faces = faces_of(light)
-        self._map = MapPass(frame.world, self._side, self._faces, self._offset)
+        faces = faces_of(light)
+        self._map = MapPass(frame.world, self._side, faces, (slope, OFFSET_UNITS))
         self._fit = MapFit(np.zeros((0, 4, 4)))
         self.memory_bytes = self._map.memory_bytes
         gpu = frame.gpu
-        kernel = moderngl.LINEAR if self._linear else moderngl.NEAREST
+        kernel = moderngl.LINEAR if settings["filter"] == "2x2" else moderngl.NEAREST
         self._sampler = gpu.ctx.sampler(
             filter=(kernel, kernel), compare_func=">=", repeat_x=False, repeat_y=False
         )
         self._visibility = shader.full_screen(
-            gpu, shader.source("shadow_map.glsl", "one_face" if self._faces == 1 else "six_faces")
+            gpu, shader.source("shadow_map.glsl", "one_face" if faces == 1 else "six_faces")
         )
         self._block = gpu.ctx.buffer(reserve=6 * 64 + 16)
         self._built = False
@@ -111,7 +109,7 @@ class ShadowMapPass(ShadowPass):
         return Outcome("shadow_map", rebuilt=rebuild)
 
     def count(self) -> Counters:
-        """Triangles and texels of the map, and pixels compared."""
+        """Triangles of the map, and texels cleared and written, overdraw included."""
         within = reach(self._frame.light, self._frame.world.origin)
         return {
             "map_triangles": self._map.triangles(self._fit, within),

@@ -93,3 +93,19 @@ def wait_for_line(process: subprocess.Popen[str], words: str) -> str:
         if words in line:
             return line
     raise AssertionError(f"the program ended without saying {words!r}")
+
+
+def nodes(path: Path) -> dict[str, dict[str, Any]]:
+    """Node name to node, for the nodes that carry lights."""
+    source = path.read_bytes()
+    length = int.from_bytes(source[12:16], "little")
+    document = json.loads(source[20 : 20 + length])
+    return {
+        node["name"]: node
+        for node in document["nodes"]
+        if "KHR_lights_punctual" in node.get("extensions", {})
+    }
+
+
+def files(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}

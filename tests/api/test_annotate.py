@@ -15,7 +15,7 @@ from scenes.errors import OutputError
 from scenes.formats.registry import read_level
 from scenes.scene import Light, LightKind, Scene
 from selector.measuring import Bench
-from tests.api.command import QUICK, answered, gnomon, succeeded
+from tests.api.command import QUICK, answered, files, gnomon, nodes, succeeded
 from tests.small_level import POINT, SPOT, SUN, named, small_level, small_scene
 
 SIZE = ("--resolution", "96x64", "-o", "p.png")
@@ -31,22 +31,6 @@ def level(tmp_path: Path) -> Path:
 def _few_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
     few = [{"map_size": size, "filter": "2x2", "focus": "light"} for size in (128, 512)]
     monkeypatch.setattr(ShadowMap, "candidates", lambda *_: few)
-
-
-def nodes(path: Path) -> dict[str, dict[str, Any]]:
-    """Node name to node, for the nodes that carry lights."""
-    source = path.read_bytes()
-    length = int.from_bytes(source[12:16], "little")
-    document = json.loads(source[20 : 20 + length])
-    return {
-        node["name"]: node
-        for node in document["nodes"]
-        if "KHR_lights_punctual" in node.get("extensions", {})
-    }
-
-
-def files(folder: Path) -> set[str]:
-    return {path.name for path in folder.iterdir()}
 
 
 def test_a_level_goes_in_and_comes_out_annotated(level: Path, tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def measure_limits(gpu: Gpu) -> Limits:
     """The rates of the device behind `gpu`, each the median of several runs."""
     ctx = gpu.ctx
     counts = ctx.texture((SIDE, SIDE), 1, dtype="f4")
-    depth = gpu.depth_texture(SIDE, SIDE, bits=32)
+    depth = gpu.depth_texture(SIDE, SIDE)
     blended, depths = ctx.framebuffer([counts], depth), ctx.framebuffer([], depth)
     program = ctx.program(vertex_shader=VERTEX, fragment_shader=FRAGMENT)
     array = ctx.vertex_array(program, [])

@@ -122,7 +122,7 @@ def test_caps_have_the_depth_bits_of_the_surfaces_they_lie_on(
 def differing_depths(frame: Frame) -> int:
     """Texels whose depth differs when caps are drawn instead of surfaces; volumes must run to infinity."""
     gpu, world = frame.gpu, frame.world
-    depth = gpu.depth_texture(frame.width, frame.height, bits=32)
+    depth = gpu.depth_texture(frame.width, frame.height)
     target = gpu.ctx.framebuffer(depth_attachment=depth)
     with volumes_of(frame) as volumes:
         # A face edge-on to the light has no cap but may be seen.
