@@ -9,7 +9,7 @@ BIN := .venv/bin
 OUT := examples/out
 PYTEST = LP_NUM_THREADS=$(LP_NUM_THREADS) $(BIN)/pytest -q
 
-.PHONY: help setup demo examples test test-slow fuzz bench lint format lock clean validator
+.PHONY: help setup demo examples test test-slow fuzz bench flip-agreement lint format lock clean validator
 .DEFAULT_GOAL := help
 
 help:
@@ -20,6 +20,7 @@ help:
 	@echo "make test-slow  run the tests that take minutes"
 	@echo "make fuzz       feed the readers 100,000 broken files"
 	@echo "make bench      time the techniques; let nothing else run beside it"
+	@echo "make flip-agreement  compare the error figures with FLIP on 264 views (7 minutes)"
 	@echo "make examples   write the example level again"
 	@echo "make lock       resolve the locked versions again"
 	@echo "make clean      remove everything that make made"
@@ -57,6 +58,10 @@ fuzz: setup
 
 bench: setup
 	$(BIN)/python tests/bench/frames.py
+	$(BIN)/python tests/bench/techniques.py
+
+flip-agreement: setup
+	$(BIN)/python tests/bench/flip_agreement.py
 
 lint: setup
 	$(BIN)/ruff check

@@ -17,19 +17,19 @@ from api.choosing import (
 )
 from api.destinations import (
     MEASUREMENT_KEYS,
+    check_in_place,
     check_measurements,
     check_spares_level,
     check_target,
-    check_writable,
     default_target,
     ready_folder,
 )
 from api.picture_folder import PictureFolder
-from api.technique_choice import chosen_technique
 from api.verdicts import shows_shadow_edge
 from api.wording import path_words
 from renderers.clock import ClockKind, truthful_clock
 from renderers.context import Device, Gpu
+from renderers.registry import technique
 from scenes.atomic_file import write_atomically
 from scenes.errors import GnomonError, OutputError
 from scenes.formats.registry import format_of, read_level
@@ -37,11 +37,13 @@ from scenes.level import Level
 from scenes.level_file import read_level_file
 from scenes.level_output import luggage, write_level
 from scenes.light_annotation import LightAnnotation
-from scenes.scene import Light
+from scenes.scene import Camera, Light
 from selector.annotation import annotation
+from selector.candidate import Candidate
 from selector.level_measuring import Answer, Request, SeenLight, answers, seen_lights
 from selector.measurement_record import answer_record, measurement_record
 from selector.measuring import Bench
+from selector.truth import Shown
 
 Json = dict[str, Any]
 
@@ -122,9 +124,9 @@ class Workload:
                     self.problems.append(_problem(error, "The pictures"))
                     folder = None
 
-            def keep(*what: object) -> None:
+            def keep(light: Light, camera: Camera, candidate: Candidate | None, shown: Shown) -> None:
                 if folder:
-                    without_loss(folder.keep, *what)
+                    without_loss(folder.keep, light, camera, candidate, shown.picture)
 
             wanted = keep if folder else None
             for answer in answers(bench, self.device.limits, self.seen, order.request, on_step, wanted):
@@ -144,7 +146,7 @@ def workload(order: Order) -> Iterator[Workload]:
         UnknownTechniqueError: A technique is not known.
     """
     for name in order.request.techniques:
-        chosen_technique(name)
+        technique(name)
     require_file(order.level)
     level_format = format_of(order.level)
     source = read_level_file(order.level)
@@ -152,13 +154,13 @@ def workload(order: Order) -> Iterator[Workload]:
     require_triangles(level)
     lights, cameras = chosen_lights(level, order.lights), chosen_cameras(level, order.cameras)
     if order.in_place:
-        check_writable(order.target)
+        check_in_place(order.level, source, level_format)
     else:
         check_target(order.level, order.target, level_format)
-    left_behind = luggage(order.level, order.target, source, level_format).left_behind
     standing = level_format.read_annotations(source)
     # What the file's form forbids is found now: a bare annotation meets the same obstacles as a real one.
-    level_format.annotate(source, {_node(light): LightAnnotation({}, {}) for light in lights})
+    trial = level_format.annotate(source, {_node(light): LightAnnotation({}, {}) for light in lights})
+    left_behind = luggage(order.level, order.target, trial, level_format).left_behind
     if order.measurements:
         _check_measurements(order, order.measurements, level_format.companions(source, order.level))
     if order.pictures:
@@ -241,7 +243,7 @@ def clear_level(level: Path, target: Path, *, in_place: bool) -> Clearing:
     if in_place and cleared.data == source:
         return Clearing(target, cleared.restored, cleared.note, written=False)
     if in_place:
-        check_writable(target)
+        check_in_place(level, source, level_format)
     else:
         check_target(level, target, level_format, cleared.data)
     left_behind = luggage(level, target, cleared.data, level_format).left_behind

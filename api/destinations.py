@@ -11,18 +11,21 @@ from pathlib import Path
 
 from scenes.atomic_file import output_error
 from scenes.errors import LevelError, OutputError
-from scenes.formats.registry import LevelFormat
+from scenes.formats.registry import LevelFormat, PlacedFormat, annotated_suffix
 from scenes.level_file import read_level_file
 
 ANNOTATED = ".annotated"
 MEASUREMENT_KEYS = ("level", "digest", "lights")
 """What a file of measurements holds, and no other JSON is likely to."""
+PAGE_BEGINNING = b"<!doctype html>\n<!-- gnomon compare -->\n"
+"""How a page of a comparison begins, and no other page does."""
+PAGE_SUFFIXES = ".html", ".htm"
 
 
 def default_target(level: Path) -> Path:
-    """`NAME.annotated.EXT` beside the level."""
+    """`NAME.annotated.EXT` beside the level; EXT is that of its format's layers where it has such."""
     stem = level.stem.removesuffix(ANNOTATED)
-    return level.with_name(f"{stem}{ANNOTATED}{level.suffix}")
+    return level.with_name(f"{stem}{ANNOTATED}{annotated_suffix(level)}")
 
 
 def check_target(level: Path, target: Path, level_format: LevelFormat, content: bytes | None = None) -> None:
@@ -38,12 +41,12 @@ def check_target(level: Path, target: Path, level_format: LevelFormat, content: 
         OutputError: It is the level itself, has another suffix, is another file than an earlier output of
             ours, or the system refuses to write there.
     """
-    if target.suffix.lower() != level.suffix.lower():
-        raise OutputError(
-            f"The annotated level keeps its form, so its name must end in {level.suffix}.",
-            where=str(target),
-            remedy=f"Choose a name that ends in {level.suffix} with -o.",
-        )
+    suffix = annotated_suffix(level)
+    if target.suffix.lower() != suffix.lower():
+        reason = f"The annotated level keeps its form, so its name must end in {suffix}."
+        if isinstance(level_format, PlacedFormat):
+            reason = f"The annotation of a {level_format.NAME} level is a layer, ending in {suffix}."
+        raise OutputError(reason, where=str(target), remedy=f"Choose a name that ends in {suffix} with -o.")
     if _same(level, target):
         raise OutputError(
             "The result would overwrite the level itself.",
@@ -57,6 +60,22 @@ def check_target(level: Path, target: Path, level_format: LevelFormat, content: 
             where=str(target),
             remedy="Choose another name with -o, or move that file away.",
         )
+
+
+def check_in_place(level: Path, source: bytes, level_format: LevelFormat) -> None:
+    """Refuse to annotate a level in place where that is not possible.
+
+    Raises:
+        OutputError: Its annotation is a layer beside it and it is no such layer, or the system refuses to
+            write there.
+    """
+    if isinstance(level_format, PlacedFormat) and not level_format.is_layer(source):
+        raise OutputError(
+            f"A {level_format.NAME} level is never changed: its annotation is a layer of its own.",
+            where=str(level),
+            remedy="Leave --in-place out, or name the layer.",
+        )
+    check_writable(level)
 
 
 def check_writable(path: Path) -> None:
@@ -127,8 +146,38 @@ def check_measurements(path: Path) -> None:
         )
 
 
-def ready_folder(folder: Path) -> None:
+def check_page(path: Path) -> None:
+    """Refuse a page that would destroy something, or that could not be written.
+
+    Raises:
+        OutputError: Its name is no page's, there is another file than an earlier page of ours, or the system
+            refuses to write there.
+    """
+    if path.suffix.lower() not in PAGE_SUFFIXES:
+        raise OutputError(
+            "The result is a page, so its name must end in .html.",
+            where=str(path),
+            remedy="Choose a name that ends in .html with -o.",
+        )
+    check_writable(path)
+    try:
+        spared = path.exists() and path.stat().st_size and not _holds_page(path)
+    except OSError as error:
+        raise output_error(path, error) from error
+    if spared:
+        raise OutputError(
+            "Another file is there, which is no page of Gnomon: it is not overwritten.",
+            where=str(path),
+            remedy="Choose another name with -o, or move that file away.",
+        )
+
+
+def ready_folder(folder: Path, option: str = "--pictures") -> None:
     """Make the folder unless it is there, and make sure that files can be made in it.
+
+    Args:
+        folder: Where files will go.
+        option: With which the user chose it.
 
     Raises:
         OutputError: The system refuses it.
@@ -136,7 +185,7 @@ def ready_folder(folder: Path) -> None:
     try:
         if folder.exists() and not folder.is_dir():
             raise OutputError(
-                "This is a file, not a folder.", where=str(folder), remedy="Name a folder with --pictures."
+                "This is a file, not a folder.", where=str(folder), remedy=f"Name a folder with {option}."
             )
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -148,7 +197,7 @@ def ready_folder(folder: Path) -> None:
             failure.what,
             where=failure.where,
             known=failure.known,
-            remedy=failure.remedy.replace("-o", "--pictures"),
+            remedy=failure.remedy.replace("-o", option),
         ) from error
 
 
@@ -172,6 +221,11 @@ def _holds_measurements(path: Path) -> bool:
     return tuple(record) == MEASUREMENT_KEYS and isinstance(record["lights"], list)
 
 
+def _holds_page(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(len(PAGE_BEGINNING)) == PAGE_BEGINNING
+
+
 def _same(first: Path, second: Path) -> bool:
     try:
         return first.samefile(second)
@@ -182,6 +236,8 @@ def _same(first: Path, second: Path) -> bool:
 def _is_ours(target: Path, level_format: LevelFormat, content: bytes | None) -> bool:
     try:
         source = read_level_file(target)
+        if isinstance(level_format, PlacedFormat):
+            return level_format.is_layer(source)
         return source == content or level_format.clear(source).data != source
     except LevelError:
         return False

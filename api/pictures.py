@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import tempfile
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,8 @@ from scenes.scene import Light
 Picture = npt.NDArray[np.uint8]
 
 LONGEST_NAME = 80
+QUICKLY = 1
+"""Of libwebp's methods 0 to 6: 70 ms for a noisy picture of 640x360, where 4 takes 990 ms and saves 6 %."""
 
 
 def write_png(path: Path, picture: Picture) -> None:
@@ -32,15 +34,30 @@ def write_png(path: Path, picture: Picture) -> None:
 
 def png_bytes(picture: Picture) -> bytes:
     """(h, w, 3) uint8 sRGB, top row first, as the bytes of a PNG."""
+    return _encoded(picture, "picture.png", {})
+
+
+def webp_bytes(picture: Picture) -> bytes:
+    """(h, w, 3 or 4) uint8 sRGB, top row first, alpha unassociated, as the bytes of a lossless WebP."""
+    lossless: dict[str, str | int] = {
+        "Compression": "lossless",
+        "webp:method": QUICKLY,
+        "oiio:UnassociatedAlpha": 1,
+    }
+    return _encoded(picture, "picture.webp", lossless)
+
+
+def _encoded(picture: Picture, name: str, attributes: Mapping[str, str | int]) -> bytes:
     height, width, channels = picture.shape
     spec = OpenImageIO.ImageSpec(width, height, channels, OpenImageIO.UINT8)
-    spec.attribute("oiio:ColorSpace", "sRGB")
+    for key, value in {"oiio:ColorSpace": "sRGB", **attributes}.items():
+        spec.attribute(key, value)
     image = OpenImageIO.ImageBuf(spec)
     image.set_pixels(OpenImageIO.ROI(), np.ascontiguousarray(picture))
     # OpenImageIO writes to names only.
     try:
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "picture.png"
+            path = Path(folder) / name
             if not image.write(str(path)):
                 raise OutputError("The picture could not be encoded.", known=image.geterror())
             return path.read_bytes()

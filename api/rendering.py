@@ -4,36 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import log2
 from pathlib import Path
 from typing import Any
 
 from api.choosing import chosen_cameras, chosen_lights, require_file, require_triangles
 from api.destinations import check_spares_level, check_writable
-from api.pictures import Picture, file_word, write_png
-from api.technique_choice import chosen_technique
+from api.pictures import file_word, write_png
+from api.settings_choice import read_settings, with_usual
+from api.showing import ERROR, Subject, check_view, debug_view, error_view
 from api.wording import path_words
-from renderers.context import DeviceLimits, Gpu
+from renderers.context import Gpu
 from renderers.registry import technique
-from renderers.technique import Setting, Settings
 from scenes.errors import DeviceError, GnomonError, LevelError, OutputError
 from scenes.formats.registry import format_of, read_level
 from scenes.level import Level
 from scenes.level_file import read_level_file
-from scenes.scene import Camera, Light, LightKind
+from scenes.scene import Camera, Light
 from selector.candidate import Candidate
 from selector.level_measuring import seen_lights
-from selector.measurement import LightMeasurement, Measurement, Status
+from selector.measurement import LightMeasurement, Measurement
 from selector.measurement_record import candidate_record, light_record, view_record
 from selector.measuring import Bench, Plan
-
-USUAL_MAP_SIZE, USUAL_FILTER = 1024, "2x2"
-
-
-class SettingsError(GnomonError):
-    """A technique was asked for something it does not have."""
-
-    exit_code = 2
+from selector.truth import Shown
 
 
 @dataclass(frozen=True)
@@ -44,7 +36,8 @@ class Order:
         level: The level file.
         scene: Which of its scenes; the default one where None.
         technique: Id or label.
-        settings: Those that differ from the usual ones.
+        settings: Those that differ from the usual ones, as text.
+        view: The debug view to show in place of the shaded picture, if any.
         light: Name, number or node; the first where None.
         camera: Name, number or node; the first, or the first viewpoint, where None.
         output: The PNG; a name made from all this where None.
@@ -56,7 +49,8 @@ class Order:
     level: Path
     scene: str | None
     technique: str
-    settings: Mapping[str, Setting]
+    settings: Mapping[str, str]
+    view: str | None
     light: str | None
     camera: str | None
     output: Path | None
@@ -73,6 +67,7 @@ class Rendering:
         level: The level.
         camera: The view.
         output: The PNG that was written.
+        view: The debug view that it shows, None for the shaded picture.
         measurement: Of the one candidate in the one view.
         others: How many more lights the wanted name stands for.
     """
@@ -80,6 +75,7 @@ class Rendering:
     level: Level
     camera: Camera
     output: Path
+    view: str | None
     measurement: LightMeasurement
     others: int
 
@@ -94,6 +90,7 @@ class Rendering:
         return {
             "level": path_words(self.level.path),
             "picture": path_words(self.output),
+            "view": self.view,
             "light": light_record(measurement.light),
             "camera": self.camera.name,
             "resolution": [measurement.width, measurement.height],
@@ -114,9 +111,11 @@ def rendered(order: Order) -> Rendering:
         LevelError: The level cannot be read, or has no such light, camera or scene.
         DeviceError: There is no such device, or it cannot do it.
         OutputError: The picture cannot be written.
-        GnomonError: The technique is not known, lacks a setting, or refuses the light.
+        GnomonError: The technique is not known, lacks a setting or a view, or refuses the light.
     """
-    method = chosen_technique(order.technique)
+    method = technique(order.technique)
+    asked = read_settings(method, order.settings)
+    check_view(order.view)
     require_file(order.level)
     if order.output is not None and order.output.suffix.lower() != ".png":
         raise OutputError(
@@ -131,55 +130,42 @@ def rendered(order: Order) -> Rendering:
     named = format_of(order.level).companions(read_level_file(order.level), order.level)
     camera = _camera(level, light, order.camera)
     with Gpu(order.device) as gpu:
-        settings = chosen_settings(order, light.kind, gpu.device.limits)
-        candidate = Candidate.of(method, settings)
-        output = order.output or _default_output(level, light, candidate)
+        candidate = Candidate.of(method, with_usual(method, asked, light.kind, gpu.device.limits))
+        output = order.output or _default_output(level, light, candidate, order.view)
         check_spares_level(output, order.level, named, "-o")
         check_writable(output)
-        measurement, picture = _measured(gpu, level, light, camera, candidate, order)
+        subject = Subject(level.scene, light, camera, candidate, (order.width, order.height))
+        _require_no_refusal(gpu, subject)
+        view = order.view
+        debug = debug_view(gpu, subject, view) if view is not None and view != ERROR else None
+        measurement, shown = _measured(gpu, subject)
+    picture = debug if debug is not None else error_view(subject, shown) if view else shown.picture
     write_png(output, picture)
-    return Rendering(level, camera, output, measurement, len(lights) - 1 if order.light else 0)
+    return Rendering(level, camera, output, view, measurement, len(lights) - 1 if order.light else 0)
 
 
-def chosen_settings(order: Order, kind: LightKind, limits: DeviceLimits) -> Settings:
-    """The usual settings of the technique for this kind of light, with those that were asked for.
-
-    Raises:
-        SettingsError: The technique has no setting of that name.
-    """
-    method = technique(order.technique)
-    nearest: Settings = min(method.candidates(kind, limits), key=_unusual)
-    usual = dict(nearest)
-    for name in order.settings:
-        if name not in usual:
-            raise SettingsError(
-                f"{method.label} has no --{name.replace('_', '-')}.",
-                known=f"It has {', '.join(usual) or 'no settings'}.",
-            )
-    return {**usual, **order.settings}
+def _require_no_refusal(gpu: Gpu, subject: Subject) -> None:
+    candidate = subject.candidate
+    limits, settings = gpu.device.limits, dict(candidate.settings)
+    reason = candidate.method.refuses(subject.light, subject.scene, limits, settings)
+    if reason is not None:
+        where = f"{candidate.label} for {subject.light.name}"
+        raise GnomonError(f"{candidate.method.label} refuses this light: {reason}.", where=where)
 
 
-def _unusual(settings: Settings) -> tuple[float, bool]:
-    size = settings.get("map_size", USUAL_MAP_SIZE)
-    return abs(log2(float(size) / USUAL_MAP_SIZE)), settings.get("filter", USUAL_FILTER) != USUAL_FILTER
+def _measured(gpu: Gpu, subject: Subject) -> tuple[LightMeasurement, Shown]:
+    pictures: dict[Candidate | None, Shown] = {}
 
-
-def _measured(
-    gpu: Gpu, level: Level, light: Light, camera: Camera, candidate: Candidate, order: Order
-) -> tuple[LightMeasurement, Picture]:
-    pictures: dict[Candidate | None, Picture] = {}
-
-    def keep(light: Light, camera: Camera, candidate: Candidate | None, picture: Picture) -> None:
+    def keep(light: Light, camera: Camera, candidate: Candidate | None, shown: Shown) -> None:
         del light, camera
-        pictures[candidate] = picture
+        pictures[candidate] = shown
 
-    with Bench(gpu, level.scene, Plan(order.width, order.height)) as bench:
-        measurement = bench.measure(light, [camera], [candidate], on_picture=keep)
+    candidate, light = subject.candidate, subject.light
+    with Bench(gpu, subject.scene, Plan(*subject.size)) as bench:
+        measurement = bench.measure(light, [subject.camera], [candidate], on_picture=keep)
     run = measurement.measurements[0]
     if candidate not in pictures:
         where = f"{candidate.label} for {light.name}"
-        if run.status is Status.REFUSED:
-            raise GnomonError(f"{candidate.method.label} refuses this light: {run.reason}.", where=where)
         raise DeviceError(f"It could not be rendered ({run.status}).", where=where, known=run.reason)
     return measurement, pictures[candidate]
 
@@ -196,8 +182,8 @@ def _camera(level: Level, light: Light, wanted: str | None) -> Camera:
     return seen.cameras[0]
 
 
-def _default_output(level: Level, light: Light, candidate: Candidate) -> Path:
-    words = [level.path.stem, light.name, candidate.label]
+def _default_output(level: Level, light: Light, candidate: Candidate, view: str | None) -> Path:
+    words = [level.path.stem, light.name, candidate.label, *([view] if view else [])]
     return Path(".".join(file_word(word) for word in words) + ".png")
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from renderers.clock import ClockKind, StageClock
 from renderers.context import Gpu
 from renderers.frame import Frame
+from renderers.settings import Settings
 from renderers.shadow_map import ShadowMap
-from renderers.technique import Settings
 from renderers.world import World
 from scenes.scene import Camera, Light, LightKind, Mesh, Scene
 

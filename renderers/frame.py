@@ -16,7 +16,7 @@ from renderers.run_drawer import RunDrawer
 from renderers.world import World
 from scenes.convex import clip_planes
 from scenes.frusta import boxes_inside, camera_view, reach, reversed_infinite
-from scenes.receivers import receiver_corners
+from scenes.receivers import receiver_body
 from scenes.scene import Array, Camera, Light, LightKind
 
 Window = tuple[int, int, int, int]
@@ -95,21 +95,39 @@ class Frame(Owner):
 
     def look(self, camera: Camera) -> None:
         """Aim at what `camera` sees."""
+        self._stand_at(camera)
+        self._window = None
+        surfaces = self.world.surfaces
+        seen = boxes_inside(self.view_planes, surfaces.low, surfaces.high)
+        self._visible = surfaces.runs(seen)
+        largest = np.abs(self.world.scene.bounds - self.world.origin).max()
+        rounding = FLOAT32_STEPS * (largest + np.linalg.norm(self.eye))
+        rows = [[*self.eye, rounding], *([*ray, 0.0] for ray in self.rays)]
+        self._frame_block.write(_columns(self.clip_from_scene) + np.array(rows, "f4").tobytes())
+
+    def fit_to(self, camera: Camera) -> None:
+        """Let passes fit what they make to `camera`, while the picture stays that of the camera looked at.
+
+        So the maps of two cameras can be compared in the same pixels. Draw and read surfaces and domain
+        before; the next `look` ends it.
+        """
+        window = self.window
+        self._stand_at(camera)
+        self._window = window
+
+    def _stand_at(self, camera: Camera) -> None:
         eye = np.asarray(camera.position) - self.world.origin
         view = camera_view(camera)
         view[:3, 3] = -view[:3, :3] @ eye
         aspect = self.width / self.height
         half_height = np.tan(camera.yfov_rad / 2)
-        self.camera, self.eye, self._window = camera, eye, None
+        self.camera, self.eye = camera, eye
         self.clip_from_scene = reversed_infinite(camera.yfov_rad, aspect, camera.near_m) @ view
         self.rays = np.stack([view[0, :3] * half_height * aspect, view[1, :3] * half_height, -view[2, :3]])
-        surfaces = self.world.surfaces
-        seen = boxes_inside(clip_planes(self.clip_from_scene), surfaces.low, surfaces.high)
-        self._visible = surfaces.runs(seen)
-        largest = np.abs(self.world.scene.bounds - self.world.origin).max()
-        rounding = FLOAT32_STEPS * (largest + np.linalg.norm(eye))
-        rows = [[*eye, rounding], *([*ray, 0.0] for ray in self.rays)]
-        self._frame_block.write(_columns(self.clip_from_scene) + np.array(rows, "f4").tobytes())
+        self.eye_from_scene = view
+        self.view_planes = clip_planes(self.clip_from_scene)
+        # Nothing nearer than the near plane is seen.
+        self.view_planes[-1, 3] -= camera.near_m
 
     def shine(self, light: Light) -> None:
         """Aim the light block at `light`."""
@@ -164,10 +182,8 @@ class Frame(Owner):
         ctx.enable_only(moderngl.NOTHING)
 
     def _find_window(self) -> Window:
-        world = self.world
-        within = reach(self.light, world.origin)
-        view = clip_planes(self.clip_from_scene)
-        lit = receiver_corners(world.scene.bounds - world.origin, within, view)
+        surfaces, within = self.world.surfaces, reach(self.light, self.world.origin)
+        lit = receiver_body(surfaces.low, surfaces.high, within, self.view_planes).corners
         clip = np.hstack([lit, np.ones((len(lit), 1))]) @ self.clip_from_scene.T
         ahead = clip[clip[:, 3] > 0]
         if not len(ahead):

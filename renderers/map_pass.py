@@ -8,7 +8,8 @@ import moderngl
 import numpy as np
 
 from renderers import shader
-from renderers.context import DEPTH_CLAMP
+from renderers.context import DEPTH_CLAMP, Released
+from renderers.map_back_faces import mirrors, outward_corners
 from renderers.run_drawer import RunDrawer
 from renderers.world import World
 from scenes.clusters import Runs
@@ -34,24 +35,45 @@ class MapPass:
         side: Texels along a face.
         faces: 1 or 6.
         offset: Slope factor and units of the polygon offset.
+        back_faces: Whether to draw only what is turned away from the light; all casters must be closed.
+        linear: Whether to store depth linear in the distance along a face's axis, for perspective faces.
     """
 
-    def __init__(self, world: World, side: int, faces: int, offset: tuple[float, float]) -> None:
-        self.world, self.side, self.offset = world, side, offset
+    def __init__(
+        self,
+        world: World,
+        side: int,
+        faces: int,
+        offset: tuple[float, float],
+        *,
+        back_faces: bool = False,
+        linear: bool = False,
+    ) -> None:
+        self.world, self.side, self.offset, self._back_faces = world, side, offset, back_faces
         gpu = world.gpu
         self.columns, self.rows = atlas_shape(faces)
         self.texture = gpu.depth_texture(self.columns * side, self.rows * side)
         self.memory_bytes = self.columns * self.rows * side * side * BYTES_PER_TEXEL
         self._target = gpu.ctx.framebuffer(depth_attachment=self.texture)
         self._program = shader.program(
-            gpu, shader.source("map_pass.glsl", "caster_vertex"), shader.source("map_pass.glsl", "nothing")
+            gpu,
+            shader.source("map_pass.glsl", "caster_vertex"),
+            shader.source("map_pass.glsl", "linear" if linear else "nothing"),
         )
+        if linear:
+            # What a fragment writes itself, polygon offset leaves alone.
+            self._program["offset"] = offset
         self._matrix = cast(moderngl.Uniform, self._program["map_from_scene"])
-        self._casters = RunDrawer(gpu, world.vertex_array(self._program), len(world.clusters.low))
+        indices = gpu.ctx.buffer(outward_corners(world).tobytes() or bytes(16)) if back_faces else None
+        vertices = world.vertex_array(self._program, indices)
+        self._casters = RunDrawer(gpu, vertices, len(world.clusters.low))
+        self._owned: list[Released] = [self._target, self.texture, self._casters]
+        if indices is not None:
+            self._owned.append(indices)
 
     def release(self) -> None:
         """Give the GPU memory back."""
-        self.world.gpu.release(self._target, self.texture, self._casters)
+        self.world.gpu.release(*self._owned)
 
     def draw(self, fit: MapFit, within: Reach) -> None:
         """Fill the map with the casters that `within` may hold, as `fit` sees them."""
@@ -60,7 +82,7 @@ class MapPass:
         self._target.scissor = (0, 0, *self._target.size)
         self._target.viewport = self._target.scissor
         self._target.clear(depth=0.0)
-        ctx.enable_only(moderngl.DEPTH_TEST)
+        ctx.enable_only(moderngl.DEPTH_TEST | (moderngl.CULL_FACE if self._back_faces else 0))
         ctx.enable_direct(DEPTH_CLAMP)
         ctx.depth_func = ">"
         slope, units = self.offset
@@ -81,6 +103,14 @@ class MapPass:
         matrix[[0, 1], [0, 1]] = 0.5 / shape
         matrix[:2, 3] = (cell + 0.5) / shape
         return matrix
+
+    def block(self, fit: MapFit, normal_texels: float, taps: int = 1) -> bytes:
+        """The uniform block of `map_receiver.glsl`."""
+        matrices = np.zeros((6, 4, 4), "f4")
+        for index, face in enumerate(fit.faces):
+            matrices[index] = (self.atlas_from_clip(index) @ face).T
+        texels = np.array([self.columns, self.rows], float) * self.side
+        return matrices.tobytes() + np.array([*(1 / texels), normal_texels, taps], "f4").tobytes()
 
     def triangles(self, fit: MapFit, within: Reach) -> int:
         """Triangles drawn into the faces of `fit`."""
@@ -104,4 +134,6 @@ class MapPass:
         x, y = index % self.columns * self.side, index // self.columns * self.side
         self._target.viewport = self._target.scissor = (x, y, self.side, self.side)
         self._matrix.write(face.T.astype("f4").tobytes())
+        if self._back_faces:
+            self.world.gpu.ctx.cull_face = "back" if mirrors(face) else "front"
         self._casters.draw(runs)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from renderers.chan_hybrid import ChanHybrid
+from renderers.light_space_perspective_shadow_map import LightSpacePerspectiveShadowMap
+from renderers.perspective_shadow_map import PerspectiveShadowMap
 from renderers.shadow_map import ShadowMap
 from renderers.shadow_volume import ShadowVolume
 from renderers.technique import Technique
@@ -9,10 +12,15 @@ from scenes.errors import GnomonError
 
 TECHNIQUES: tuple[Technique, ...] = (
     ShadowMap(),
+    PerspectiveShadowMap(),
+    LightSpacePerspectiveShadowMap(),
     ShadowVolume(),
+    ChanHybrid(),
 )
 
 GROUND_TRUTH = "shadow_volume"
+GROUND_TRUTH_SETTINGS = {"variant": "general"}
+"""Nothing is taken for granted about meshes where the truth is at stake."""
 
 
 class UnknownTechniqueError(GnomonError):

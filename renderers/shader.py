@@ -89,7 +89,7 @@ def source(file: str, section: str) -> Source:
     return Source("".join(f"{line.text}\n" for line in lines), tuple(line.place for line in lines))
 
 
-def program(gpu: Gpu, vertex: Source, fragment: Source) -> moderngl.Program:
+def program(gpu: Gpu, vertex: Source, fragment: Source, geometry: Source | None = None) -> moderngl.Program:
     """A linked program; cached for the life of the context.
 
     Raises:
@@ -97,9 +97,13 @@ def program(gpu: Gpu, vertex: Source, fragment: Source) -> moderngl.Program:
     """
 
     def build() -> moderngl.Program:
-        return gpu.ctx.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
+        between = None if geometry is None else geometry.text
+        return gpu.ctx.program(
+            vertex_shader=vertex.text, fragment_shader=fragment.text, geometry_shader=between
+        )
 
-    return gpu.cached((vertex, fragment), lambda: _explained(build, (vertex, fragment)))
+    stages = (vertex, fragment) if geometry is None else (vertex, fragment, geometry)
+    return gpu.cached(stages, lambda: _explained(build, stages))
 
 
 def full_screen(gpu: Gpu, fragment: Source) -> moderngl.VertexArray:
@@ -137,7 +141,8 @@ def _explained(build: Callable[[], Built], stages: tuple[Source, ...]) -> Built:
         return build()
     except moderngl.Error as error:
         log = str(error)
-        stage = stages[1] if len(stages) > 1 and "fragment" in log.lower() else stages[0]
+        named = zip(("fragment", "geometry"), stages[1:], strict=False)
+        stage = next((one for word, one in named if word in log.lower()), stages[0])
         raise ShaderError(
             "The driver refused a shader.", where=stage.files, known=stage.explain(log)
         ) from error

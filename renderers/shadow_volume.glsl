@@ -1,27 +1,6 @@
 // Crow 1977, counted by z-fail, for any set of triangles: each volume's boundary is summed with signs, so that
 // what closes one triangle's volume cancels against its neighbour's. See docs/techniques.md.
-#include "light.glsl"
-#include "frame.glsl"
-
-layout(std140, binding = 2) uniform VolumeBlock {
-    vec4 end_plane;         // normal, distance; zeros for volumes that run to infinity
-    vec4 reach_planes[5];   // inward planes of a spot's pyramid; zeros for other lights
-    ivec4 sizes;            // faces, edges, 0, 0
-};
-
-layout(std430, binding = 0) readonly buffer Vertices { float coordinates[]; };
-
-vec3 vertex(int index) {
-    return vec3(coordinates[3 * index], coordinates[3 * index + 1], coordinates[3 * index + 2]);
-}
-
-// Where the ray from the light through `near` ends.
-vec4 extruded(vec3 near) {
-    vec3 along = light.w * near - light.xyz;
-    if (end_plane.xyz == vec3(0.0)) return vec4(along, 0.0);
-    float steps = (end_plane.w - dot(end_plane.xyz, near)) / dot(end_plane.xyz, along);
-    return vec4(near + steps * along, 1.0);
-}
+#include "extrusion.glsl"
 
 #section face_signs
 layout(local_size_x = 64) in;
@@ -29,6 +8,7 @@ layout(std430, binding = 1) readonly buffer Triangles { int corners[]; };
 layout(std430, binding = 2) writeonly buffer Signs { int signs[]; };
 layout(std430, binding = 3) writeonly buffer Caps { ivec4 caps[]; };       // corners, sign
 layout(std430, binding = 4) buffer CapCommand { uint cap_vertices; };
+layout(std430, binding = 5) readonly buffer LeastSigns { int least_signs[]; };
 
 bool out_of_reach(vec3 a, vec3 b, vec3 c) {
     float range = inner_range.y;
@@ -48,7 +28,8 @@ void main() {
     ivec3 corner = ivec3(corners[3 * face], corners[3 * face + 1], corners[3 * face + 2]);
     vec3 a = vertex(corner.x), b = vertex(corner.y), c = vertex(corner.z);
     float height = dot(cross(b - a, c - a), light.xyz - light.w * a);
-    int facing = out_of_reach(a, b, c) ? 0 : int(sign(height));
+    int least = sizes.z == 2 ? least_signs[face] : sizes.z;
+    int facing = out_of_reach(a, b, c) ? 0 : max(int(sign(height)), least);
     signs[face] = facing;
     if (facing != 0) caps[atomicAdd(cap_vertices, 6u) / 6u] = ivec4(corner, facing);
 }
@@ -70,7 +51,32 @@ void main() {
         int half_edge = half_edges[i];
         multiplicity += signs[half_edge >> 1] * ((half_edge & 1) * 2 - 1);
     }
-    if (multiplicity != 0) sides[atomicAdd(side_vertices, 6u) / 6u] = ivec4(edges[edge], multiplicity, 0);
+    if (multiplicity == 0) return;
+    if (sizes.w == 0) {
+        sides[atomicAdd(side_vertices, 6u) / 6u] = ivec4(edges[edge], multiplicity, 0);
+        return;
+    }
+    ivec2 ends = multiplicity > 0 ? edges[edge] : edges[edge].yx;
+    uint first = atomicAdd(side_vertices, 6u * uint(abs(multiplicity))) / 6u;
+    for (int i = 0; i < abs(multiplicity); ++i) sides[first + uint(i)] = ivec4(ends, 1, 0);
+}
+
+#section triangle_sides
+layout(local_size_x = 64) in;
+layout(std430, binding = 1) readonly buffer Triangles { int corners[]; };
+layout(std430, binding = 2) readonly buffer Signs { int signs[]; };
+layout(std430, binding = 3) writeonly buffer Sides { ivec4 sides[]; };
+layout(std430, binding = 4) buffer SideCommand { uint side_vertices; };
+
+// Every face closes its own volume, as before silhouettes were looked for.
+void main() {
+    int face = int(gl_GlobalInvocationID.x);
+    if (face >= sizes.x || signs[face] == 0) return;
+    ivec3 corner = ivec3(corners[3 * face], corners[3 * face + 1], corners[3 * face + 2]);
+    uint first = atomicAdd(side_vertices, 18u) / 6u;
+    for (int i = 0; i < 3; ++i) {
+        sides[first + uint(i)] = ivec4(corner[i], corner[(i + 1) % 3], signs[face], 0);
+    }
 }
 
 #section cap_vertex
@@ -87,6 +93,19 @@ void main() {
     if (corner < 3) gl_Position = clip_from_scene * vec4(position, 1.0);
     else gl_Position = clip_from_scene * extruded(position);
     weight = float(corner < 3 ? cap.w : -cap.w);
+}
+
+#section unit_cap_vertex
+layout(std430, binding = 1) readonly buffer Caps { ivec4 caps[]; };
+invariant gl_Position;
+
+// For counters without weights: the far cap winds the other way instead of weighing the other way.
+void main() {
+    ivec4 cap = caps[gl_VertexID / 6];
+    int corner = gl_VertexID % 6;
+    vec3 position = vertex(cap[corner < 3 ? corner : 5 - corner]);
+    if (corner < 3) gl_Position = clip_from_scene * vec4(position, 1.0);
+    else gl_Position = clip_from_scene * extruded(position);
 }
 
 #section side_vertex
@@ -115,3 +134,6 @@ layout(location = 0) out float counted;
 void main() {
     counted = gl_FrontFacing ? -weight : weight;
 }
+
+#section stencil_fragment
+void main() {}

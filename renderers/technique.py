@@ -10,11 +10,11 @@ from typing import Protocol
 from renderers.clock import StageClock
 from renderers.context import DeviceLimits
 from renderers.frame import Frame
+from renderers.internals import Internals
 from renderers.owner import Owner
+from renderers.settings import Options, Settings
 from scenes.scene import Light, LightKind, Scene
 
-Setting = str | int | float | bool
-Settings = Mapping[str, Setting]
 Counters = Mapping[str, int]
 
 
@@ -50,13 +50,25 @@ class ShadowPass(Owner):
     def count(self) -> Counters:
         """Exact work counters of the frame just rendered. Never timed; may render again."""
 
+    def internals(self) -> Internals:
+        """What was made on the way to the mask just rendered, for debug views; nothing unless told."""
+        return Internals()
+
 
 class Technique(Protocol):
-    """A shadow technique: stateless, one instance in the registry."""
+    """A shadow technique: stateless, one instance in the registry.
+
+    Attributes:
+        name: Its id, which is the name of its module.
+        label: How people call it.
+        title: Its name in full.
+        options: What can be set on it; `candidates` says which settings are worth measuring.
+    """
 
     name: str
     label: str
     title: str
+    options: Options
 
     def candidates(self, kind: LightKind, limits: DeviceLimits) -> Sequence[Settings]:
         """The settings worth measuring for a kind of light on a device, cheapest first."""

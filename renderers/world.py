@@ -13,6 +13,7 @@ from OpenGL import GL
 from renderers.context import Gpu
 from scenes.clusters import Clusters
 from scenes.scene import Array, Positions, Scene, Triangles
+from scenes.surface_probes import SurfaceProbes
 from scenes.topology import Topology, weld
 
 
@@ -32,6 +33,7 @@ class World:
         clusters: The casting faces.
         surfaces: All faces.
         topology: Edges of the casting faces.
+        probes: Places on all faces that stand for them.
     """
 
     gpu: Gpu
@@ -43,6 +45,7 @@ class World:
     clusters: Clusters
     surfaces: Clusters
     topology: Topology
+    probes: SurfaceProbes
     vertex_buffer: moderngl.Buffer
     index_buffer: moderngl.Buffer
     face_buffer: moderngl.Buffer
@@ -77,6 +80,7 @@ class World:
             clusters=clusters,
             surfaces=surfaces,
             topology=topology,
+            probes=SurfaceProbes.of(positions, triangles, surfaces),
             vertex_buffer=_buffer(gpu, positions),
             index_buffer=_buffer(gpu, triangles),
             face_buffer=face_buffer,
@@ -86,10 +90,13 @@ class World:
             half_edge_buffer=_buffer(gpu, half_edges.astype(np.int32)),
         )
 
-    def vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
-        """All faces as indexed triangles, for a program with one attribute, `position`."""
+    def vertex_array(
+        self, program: moderngl.Program, indices: moderngl.Buffer | None = None
+    ) -> moderngl.VertexArray:
+        """All faces as indexed triangles, or others, for a program with one attribute, `position`."""
         layout = [(self.vertex_buffer, "3f", "position")]
-        return self.gpu.ctx.vertex_array(program, layout, index_buffer=self.index_buffer)
+        index_buffer = self.index_buffer if indices is None else indices
+        return self.gpu.ctx.vertex_array(program, layout, index_buffer=index_buffer)
 
     def bind_faces(self, unit: int) -> None:
         """Make the face table a buffer texture on texture unit `unit`.

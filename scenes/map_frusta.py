@@ -9,16 +9,15 @@ nearly equal and round apart: a floor a thousand times wider than the light is h
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from scenes.convex import box_planes, corners
-from scenes.frusta import Reach, light_axes
+from scenes.convex import Body
+from scenes.frusta import light_axes
 from scenes.scene import Array, Light, LightKind
 
-# The normal offset moves a place on a cube's edge by up to 0.71 texels, and 2x2 reads half a texel further.
-GUARD_TEXELS = 2
 DEPTH_MARGIN = 0.02
 # Of the far distance. A caster that is nearer still casts.
 NEAREST = 1e-3
@@ -26,6 +25,8 @@ NEAREST = 1e-3
 WIDEST_SINGLE_RAD = np.radians(75.0)
 # A cone without width still needs a map that has one.
 NARROWEST_RAD = 1e-6
+# Of a window's distance from the axis: receivers on one line still need a map that has an area.
+NARROWEST_WINDOW = 1e-6
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,8 @@ class MapFit:
     """Faces of a map.
 
     Attributes:
-        faces: (k, 4, 4) float64 clip from scene; one, or six in the order +X -X +Y -Y +Z -Z.
+        faces: (k, 4, 4) float64 clip from scene; one, or six in the order +X -X +Y -Y +Z -Z. All zeros for
+            a face that shows nothing.
     """
 
     faces: Array
@@ -45,41 +47,58 @@ def faces_of(light: Light) -> int:
     return 6 if wide or light.kind is LightKind.POINT else 1
 
 
-def fit_map(
-    light: Light, within: Reach, bounds: Array, side: int, view_planes: Array | None = None
+def cube_axes(face: int) -> Array:
+    """(3, 3) float64 rows right, up, forward of a cube's face."""
+    axis = face // 2
+    return np.stack(
+        [np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3], np.eye(3)[axis] * (1 - 2 * (face % 2))]
+    )
+
+
+def face_bodies(light: Light, centre: Array, body: Body) -> list[Body]:
+    """The part of `body` that each face of the light's map shows."""
+    if faces_of(light) == 1:
+        return [body]
+    return [body.cut(_pyramid(cube_axes(face), centre)) for face in range(6)]
+
+
+def fit_map(light: Light, centre: Array, body: Body, shrink: float, *, whole: bool = False) -> MapFit:
+    """The faces of a map that cover what `light` can light of `body`; see `fit_faces`."""
+    return fit_faces(light, centre, face_bodies(light, centre, body), shrink, whole=whole)
+
+
+def fit_faces(
+    light: Light, centre: Array, bodies: Sequence[Body], shrink: float, *, whole: bool = False
 ) -> MapFit:
-    """The faces of a map of `side` texels that cover what `light` can light.
+    """The faces of a map that cover what `light` can light of each face's body.
 
     Args:
         light: The light.
-        within: Its reach, scene space.
-        bounds: (2, 3) float64 box of all receivers, scene space.
-        side: Texels along a face.
-        view_planes: (p, 4) planes of a camera; given, the map covers only what that camera sees.
+        centre: (3,) float64 its position in scene space; anything for a directional light.
+        bodies: What holds the receivers of each face, scene space.
+        shrink: Share of a face's side that is left between its guard texels.
+        whole: Whether a face covers its whole cone or cube side, receivers or not. Its depth fits
+            the bodies all the same.
     """
-    if not (bounds[1] > bounds[0]).any():
+    shown = [(face, body.corners) for face, body in enumerate(bodies) if len(body.corners)]
+    if not shown:
         return MapFit(np.zeros((0, 4, 4)))
-    planes = [box_planes(*_pad(bounds)), within.planes]
-    if np.isfinite(within.range_m):
-        planes.append(box_planes(within.centre - within.range_m, within.centre + within.range_m))
-    if view_planes is not None:
-        planes.append(view_planes)
-    receivers = corners(np.vstack(planes))
-    if not len(receivers):
-        return MapFit(np.zeros((0, 4, 4)))
-    shrink = 1 - 2 * GUARD_TEXELS / side
-    if light.kind is LightKind.DIRECTIONAL:
-        return MapFit(_orthographic(light_axes(light), receivers, shrink)[None])
-    if faces_of(light) == 6:
-        return MapFit(_cube(within.centre, receivers, shrink))
-    return MapFit(_spot(light, within.centre, receivers, shrink, focus=view_planes is not None)[None])
+    faces = np.zeros((len(bodies), 4, 4))
+    for face, receivers in shown:
+        if light.kind is LightKind.DIRECTIONAL:
+            faces[face] = _orthographic(light_axes(light), receivers, shrink)
+        else:
+            six = len(bodies) > 1
+            axes = cube_axes(face) if six else light_axes(light)
+            slope = 1.0 if six else float(np.tan(max(light.outer_cone_rad, NARROWEST_RAD)))
+            faces[face] = _face(axes, centre, receivers, slope, shrink, whole=whole)
+    return MapFit(faces)
 
 
-def _pad(bounds: Array) -> Array:
-    # A flat scene has a box without volume, which has no corners to find.
-    margin = 1e-3 * max(float((bounds[1] - bounds[0]).max()), float(np.finfo(np.float32).tiny))
-    padded: Array = bounds + np.array([[-margin], [margin]])
-    return padded
+def _pyramid(axes: Array, centre: Array) -> Array:
+    right, up, forward = axes
+    normals = np.array([forward + right, forward - right, forward + up, forward - up])
+    return np.hstack([normals, -(normals @ centre)[:, None]])
 
 
 def _orthographic(axes: Array, receivers: Array, shrink: float) -> Array:
@@ -98,31 +117,20 @@ def _orthographic(axes: Array, receivers: Array, shrink: float) -> Array:
     return face
 
 
-def _spot(light: Light, centre: Array, receivers: Array, shrink: float, *, focus: bool) -> Array:
-    axes = light_axes(light)
-    slope = np.tan(max(light.outer_cone_rad, NARROWEST_RAD))
-    window = np.array([[-slope, -slope], [slope, slope]])
+def _face(axes: Array, centre: Array, receivers: Array, slope: float, shrink: float, *, whole: bool) -> Array:
+    """A perspective face; `slope` is the tangent of its half angle, zeros if nothing lies ahead of it."""
     local = (receivers - centre) @ axes.T
     far = float(local[:, 2].max())
     ahead = local[local[:, 2] > 1e-6 * far]
-    if focus and len(ahead):
+    if far <= 0:
+        return np.zeros((4, 4))
+    window = np.array([[-slope, -slope], [slope, slope]])
+    if not whole:
         ratios = ahead[:, :2] / ahead[:, 2:]
         window = np.clip(np.stack([ratios.min(axis=0), ratios.max(axis=0)]), *window)
-    return _perspective(axes, centre, window, (float(local[:, 2].min()), float(far)), shrink)
-
-
-def _cube(centre: Array, receivers: Array, shrink: float) -> Array:
-    low, high = (receivers - centre).min(axis=0), (receivers - centre).max(axis=0)
-    window = np.array([[-1.0, -1.0], [1.0, 1.0]])
-    faces = np.zeros((6, 4, 4))
-    for face in range(6):
-        axis, sign = face // 2, 1 - 2 * (face % 2)
-        forward = np.eye(3)[axis] * sign
-        axes = np.stack([np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3], forward])
-        far = high[axis] if sign > 0 else -low[axis]
-        if far > 0:
-            faces[face] = _perspective(axes, centre, window, (0.0, far), shrink)
-    return faces
+        thin = NARROWEST_WINDOW * slope
+        window = np.where(window[1] - window[0] > thin, window, window + np.array([[-thin], [thin]]))
+    return _perspective(axes, centre, window, (float(local[:, 2].min()), far), shrink)
 
 
 def _perspective(

@@ -4,28 +4,50 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenes.convex import box_planes, corners
-from scenes.frusta import Reach
+from scenes.convex import NOTHING, Body, box_planes
+from scenes.frusta import Reach, boxes_inside
 from scenes.scene import Array
 
 # Relative to the largest side: a flat scene has a box without volume, which has no corners to find.
 PADDING = 1e-3
 
 
-def receiver_corners(bounds: Array, within: Reach, view_planes: Array | None = None) -> Array:
-    """(n, 3) float64 corners of a convex body that holds every receiver; none if there can be none.
+def receiver_body(low: Array, high: Array, within: Reach, view_planes: Array | None = None) -> Body:
+    """A convex body that holds every receiver; empty if there can be none.
 
     Args:
-        bounds: (2, 3) float64 box of all geometry.
+        low: (n, 3) float64 lowest corners of boxes that hold all geometry.
+        high: (n, 3) float64 highest corners.
         within: The light's reach, in the same space.
-        view_planes: (p, 4) inward planes of a camera, to keep only what it may see.
+        view_planes: (5, 4) inward planes of a camera, to keep only what it may see. The last one looks
+            along the view: the body also lies between the nearest and the farthest box that is kept.
     """
-    margin = PADDING * max(float((bounds[1] - bounds[0]).max()), float(np.finfo(np.float32).tiny))
-    low = np.maximum(bounds[0] - margin, within.centre - within.range_m)
-    high = np.minimum(bounds[1] + margin, within.centre + within.range_m)
-    if (low >= high).any():
-        return np.zeros((0, 3))
-    planes = [box_planes(low, high), within.planes]
+    kept = within.touches(low, high)
     if view_planes is not None:
-        planes.append(view_planes)
-    return corners(np.vstack(planes))
+        kept &= boxes_inside(view_planes, low, high)
+    if not kept.any():
+        return NOTHING
+    low, high = low[kept], high[kept]
+    if not (high.max(axis=0) > low.min(axis=0)).any():
+        return NOTHING
+    margin = _margin(low.min(axis=0), high.max(axis=0))
+    box_low = np.maximum(low.min(axis=0) - margin, within.centre - within.range_m)
+    box_high = np.minimum(high.max(axis=0) + margin, within.centre + within.range_m)
+    if (box_low >= box_high).any():
+        return NOTHING
+    body = Body(np.vstack([box_planes(box_low, box_high), within.planes]))
+    if view_planes is None:
+        return body
+    return body.cut(view_planes).cut(_slab(view_planes[-1], low - margin, high + margin))
+
+
+def _margin(low: Array, high: Array) -> float:
+    return PADDING * max(float((high - low).max()), float(np.finfo(np.float32).tiny))
+
+
+def _slab(plane: Array, low: Array, high: Array) -> Array:
+    """(2, 4) planes parallel to `plane`, one on each side of all boxes."""
+    normal = plane[:3]
+    nearest = np.where(normal >= 0, low, high) @ normal
+    farthest = np.where(normal >= 0, high, low) @ normal
+    return np.array([[*normal, -nearest.min()], [*-normal, farthest.max()]])

@@ -6,8 +6,12 @@ from dataclasses import dataclass
 
 from renderers.context import DeviceLimits
 from renderers.registry import TECHNIQUES, technique
-from renderers.technique import Setting, Settings, Technique
+from renderers.settings import Setting, Settings
+from renderers.technique import Technique
 from scenes.scene import LightKind
+
+UNNAMED = ("map_size", "filter", "kernel")
+"""Settings whose values speak for themselves."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +38,14 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """How people call it, such as `SM 1024 2x2`; the focus is named where it is not the usual one."""
+        """How people call it, such as `SM 1024 2x2` or `PSM 1024 2x2 depth=kozlov`.
+
+        The focus is named where it is not the usual one.
+        """
         values = dict(self.settings)
         focus = values.pop("focus", None)
-        words = [self.method.label, *(str(value) for value in values.values())]
+        words = [self.method.label]
+        words += [str(value) if name in UNNAMED else f"{name}={value}" for name, value in values.items()]
         return " ".join([*words, "view"] if focus == "view" else words)
 
 

@@ -64,6 +64,8 @@ class ViewRun:
         counters: Exact work counts.
         truth: What the mask was compared with.
         note: What the technique had to say, such as a fall-back.
+        flicker: Share of co-visible pixels whose error changes from frame to frame of a camera move; None
+            where none was made, or no pixel is co-visible.
     """
 
     camera: str
@@ -73,6 +75,7 @@ class ViewRun:
     counters: Counters = field(default_factory=dict)
     truth: Truth = Truth.SHADOW_VOLUME
     note: str = ""
+    flicker: float | None = None
 
 
 @dataclass(frozen=True)
@@ -102,8 +105,8 @@ class Measurement:
 
     def figure(self, name: str) -> float | None:
         """An error figure over all views: the 95th percentile, the worst where there are fewer than 20."""
-        if name == "flip":
-            return over_views([view.flip for view in self.views])
+        if name in ("flip", "flicker"):
+            return over_views([getattr(view, name) for view in self.views])
         return over_views([getattr(view.figures, name) for view in self.views if view.figures])
 
     def _mean_of_medians(self, mobility: Mobility, value: Callable[[Sample], float]) -> float | None:

@@ -90,6 +90,7 @@ def _summary(one: Measurement, recommendation: Recommendation) -> Json:
         "edge_error_px": one.figure("edge_error_px"),
         "wrong_share": one.figure("wrong_share"),
         "flip": one.figure("flip"),
+        "flicker": one.figure("flicker"),
     }
 
 
@@ -111,6 +112,7 @@ def view_record(view: ViewRun) -> Json:
         "note": view.note,
         "figures": figures_record(view.figures),
         "flip": view.flip,
+        "flicker": view.flicker,
         "counters": dict(view.counters),
         "samples": [
             {

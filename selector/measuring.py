@@ -6,23 +6,30 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
 
 from renderers.canary import Canary
 from renderers.clock import StageClock, truthful_clock
 from renderers.context import Gpu
-from renderers.frame import Frame, Picture
+from renderers.flicker import Sight, co_visible
+from renderers.frame import Frame
 from renderers.owner import Owner
 from renderers.world import World
+from scenes.camera_path import camera_path
 from scenes.scene import Camera, Light, Scene
 from selector.candidate import Candidate
 from selector.measurement import LightMeasurement, Status
 from selector.runner import Runner
-from selector.truth import Oracle
+from selector.truth import Oracle, Reference, Shown
 
-OnPicture = Callable[[Light, Camera, Candidate | None, Picture], None]
+OnPicture = Callable[[Light, Camera, Candidate | None, Shown], None]
 OnStep = Callable[[str], None]
 
 PASSES_ALIVE_BYTES = 4 << 30
+FLICKER_STEPS = 7
+"""Enough where flicker is asked for: eight frames, half a pixel apart."""
 
 
 def _silently(what: str) -> None:
@@ -40,6 +47,7 @@ class Plan:
         timeout_s: A frame that takes longer is not repeated.
         verify: Whether to check the truth itself against Embree.
         seed: Of the shuffling.
+        flicker_steps: Steps of the camera move over which flicker is measured in each view; 0 for none.
     """
 
     width: int = 640
@@ -48,10 +56,11 @@ class Plan:
     timeout_s: float = 4.0
     verify: bool = False
     seed: int = 1
+    flicker_steps: int = 0
 
     def steps(self, views: int, candidates: int) -> int:
         """How often `measure` calls `on_step` for one light, however many passes fit into memory together."""
-        return views * candidates * (1 + self.rounds)
+        return views * candidates * (1 + self.rounds + self.flicker_steps)
 
 
 class Bench(Owner):
@@ -93,7 +102,7 @@ class Bench(Owner):
             cameras: The views it is judged over.
             candidates: What is measured.
             on_step: Called before each step, with what comes next.
-            on_picture: Called with the shaded picture of the truth (no candidate) and of each candidate.
+            on_picture: Called with what is seen of the truth (no candidate) and of each candidate.
 
         Raises:
             GlError: The device failed where no single candidate is to blame.
@@ -109,6 +118,8 @@ class Bench(Owner):
                     disagreement = self._judge(batch, light, camera, on_step, on_picture)
                     verified += [disagreement] if disagreement is not None else []
                     canaries.append(self._rounds(batch, light, camera, on_step))
+                    if self._plan.flicker_steps:
+                        self._film(batch, light, camera, on_step)
         return LightMeasurement(
             light=light,
             cameras=tuple(camera.name for camera in cameras),
@@ -146,14 +157,14 @@ class Bench(Owner):
         reference = self._oracle.reference(light, camera)
         disagreement = self._oracle.disagreement(light, reference) if self._plan.verify else None
         if on_picture:
-            on_picture(light, camera, None, reference.picture)
+            on_picture(light, camera, None, reference.shown())
         for runner in batch:
             on_step(f"{light.name}: {runner.candidate.label}, {camera.name}")
             if runner.status is not Status.OK:
                 continue
-            picture = runner.judge(light, camera, reference, self._silent, self._plan.timeout_s)
-            if on_picture and picture is not None:
-                on_picture(light, camera, runner.candidate, picture)
+            shown = runner.judge(light, camera, reference, self._silent, self._plan.timeout_s)
+            if on_picture and shown is not None:
+                on_picture(light, camera, runner.candidate, shown)
         return disagreement
 
     def _rounds(
@@ -173,3 +184,29 @@ class Bench(Owner):
         for runner in batch:
             runner.close_view()
         return tuple(canaries)
+
+    def _film(self, batch: Sequence[Runner], light: Light, camera: Camera, on_step: OnStep) -> None:
+        """Move the camera a little, frame by frame, and see whose errors flicker."""
+        truth = self._oracle.reference(light, camera)
+        sight = self._sight(truth)
+        for last, moved in pairwise(self._path(camera, truth)):
+            truth = self._oracle.reference(light, moved)
+            before, sight = sight, self._sight(truth)
+            seen = co_visible(sight, before)
+            for runner in batch:
+                on_step(f"{light.name}: {runner.candidate.label}, {moved.name}")
+                if runner.status is Status.OK:
+                    runner.film(light, (moved, last), truth, seen, self._silent)
+        for runner in batch:
+            runner.close_film()
+
+    def _path(self, camera: Camera, truth: Reference) -> tuple[Camera, ...]:
+        """A move that shifts the median receiver by half a pixel a frame."""
+        away = truth.surfaces.positions[truth.domain] - np.asarray(camera.position)
+        distance_m = float(np.median(away @ np.asarray(camera.forward))) if len(away) else 0.0
+        return camera_path(camera, distance_m, self._plan.height, self._plan.flicker_steps)
+
+    def _sight(self, truth: Reference) -> Sight:
+        surfaces, frame = truth.surfaces, self._frame
+        positions = surfaces.positions - frame.world.origin
+        return Sight(positions, surfaces.normals, truth.domain, frame.clip_from_scene)

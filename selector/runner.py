@@ -9,16 +9,17 @@ from dataclasses import dataclass, field, replace
 
 from renderers.clock import ClockKind, StageClock
 from renderers.context import OutOfVideoMemoryError
-from renderers.error_figures import error_figures, mean_flip
-from renderers.frame import Frame, Picture
+from renderers.error_figures import Bools, error_figures, mean_flip
+from renderers.flicker import Flicker, State, error_state
+from renderers.frame import Frame
 from renderers.registry import technique
-from renderers.technique import ShadowPass
+from renderers.technique import Outcome, ShadowPass
 from renderers.timing import timed_frame
 from scenes.errors import DeviceError
 from scenes.scene import Camera, Light, Mobility, Scene
 from selector.candidate import Candidate
 from selector.measurement import Measurement, Sample, Status, ViewRun
-from selector.truth import Reference
+from selector.truth import Reference, Shown
 
 
 @dataclass
@@ -42,6 +43,7 @@ class Runner:
     views: list[ViewRun] = field(default_factory=list)
     _pass: ShadowPass | None = None
     _samples: list[Sample] = field(default_factory=list)
+    _flicker: Flicker = field(default_factory=Flicker)
 
     def prepare(self, light: Light, scene: Scene, alive: ExitStack) -> None:
         """Make its pass, which lives as long as `alive`; or find out why there is none."""
@@ -56,8 +58,8 @@ class Runner:
 
     def judge(
         self, light: Light, camera: Camera, truth: Reference, clock: StageClock, timeout_s: float
-    ) -> Picture | None:
-        """Render once, untimed: figures and counters are kept, the picture is given; None on failure."""
+    ) -> Shown | None:
+        """Render once, untimed: figures and counters are kept, what is seen is given; None on failure."""
         assert self.status is Status.OK
         assert self._pass is not None
         frame = self.frame
@@ -74,14 +76,11 @@ class Runner:
         figures = error_figures(mask, truth.lit, truth.domain, *truth.joined)
         flip = mean_flip(picture, truth.picture)
         self.views.append(ViewRun(camera.name, (), figures, flip, counters, truth.source, outcome.note))
-        if outcome.technique != self.candidate.technique:
-            self.status = Status.REFUSED
-            other = technique(outcome.technique).label
-            self.reason = f"{outcome.note or 'it gave up'}; {other} was drawn instead in view {camera.name}"
-        elif seconds > timeout_s:
+        self._count_only_as_itself(outcome, camera)
+        if self.status is Status.OK and seconds > timeout_s:
             self.status = Status.TIMEOUT
             self.reason = f"a frame took {seconds:.1f} s in view {camera.name}"
-        return picture
+        return Shown(picture, mask, truth)
 
     def time(self, light: Light, index: int, kind: ClockKind) -> None:
         """Time one frame as a dynamic and one as a static light, in round `index`."""
@@ -94,6 +93,28 @@ class Runner:
                 )
             if self.status is not Status.OK:
                 return
+
+    def film(
+        self, light: Light, cameras: tuple[Camera, Camera], truth: Reference, seen: Bools, clock: StageClock
+    ) -> None:
+        """Render a frame of a camera move, untimed, as fitted to its own camera and to the one before."""
+        assert self._pass is not None
+        states: list[State] = []
+        for camera in cameras:
+            with self._surviving(light):
+                self.frame.fit_to(camera)
+                outcome = self._pass.render(clock, rebuild=True)
+                states.append(error_state(self.frame.read_mask(), truth.lit, truth.domain))
+                self._count_only_as_itself(outcome, camera)
+            if self.status is not Status.OK:
+                return
+        self._flicker.add(states[0], states[1], seen)
+
+    def close_film(self) -> None:
+        """Keep with the last view how much the frames filmed since flicker, if none of them failed."""
+        if self.status is Status.OK:
+            self.views[-1] = replace(self.views[-1], flicker=self._flicker.share)
+        self._flicker = Flicker()
 
     def close_view(self) -> None:
         """Keep the samples taken since the last view with that view."""
@@ -108,6 +129,12 @@ class Runner:
     def result(self) -> Measurement:
         """What was measured."""
         return Measurement(self.candidate, self.status, self.reason, self.memory_bytes, tuple(self.views))
+
+    def _count_only_as_itself(self, outcome: Outcome, camera: Camera) -> None:
+        if outcome.technique != self.candidate.technique:
+            self.status = Status.REFUSED
+            other = technique(outcome.technique).label
+            self.reason = f"{outcome.note or 'it gave up'}; {other} was drawn instead in view {camera.name}"
 
     @contextmanager
     def _surviving(self, light: Light) -> Iterator[None]:

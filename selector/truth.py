@@ -12,8 +12,8 @@ import numpy.typing as npt
 from renderers.clock import StageClock
 from renderers.context import GlError
 from renderers.error_figures import continuity
-from renderers.frame import Frame, Picture, Surfaces
-from renderers.registry import GROUND_TRUTH, technique
+from renderers.frame import Frame, Mask, Picture, Surfaces
+from renderers.registry import GROUND_TRUTH, GROUND_TRUTH_SETTINGS, technique
 from renderers.technique import ShadowPass
 from scenes.ray_caster import RayCaster
 from scenes.scene import Camera, Light
@@ -46,6 +46,25 @@ class Reference:
     joined: tuple[Bools, Bools]
     source: Truth
 
+    def shown(self) -> Shown:
+        """The truth itself, as if a candidate had drawn it."""
+        return Shown(self.picture, self.lit.astype(np.float32), self)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One view as a candidate draws it, or as it should look; the top row comes first.
+
+    Attributes:
+        picture: (h, w, 3) uint8 sRGB.
+        mask: (h, w) float32 in [0, 1]: 1 lit, 0 shadowed.
+        truth: What it is compared with.
+    """
+
+    picture: Picture
+    mask: Mask
+    truth: Reference
+
 
 class Oracle:
     """Knows the truth about the light that its frame is aimed at.
@@ -65,7 +84,7 @@ class Oracle:
         """Make ready for `light`; what is made lives as long as `alive`."""
         gpu, scene = self._frame.gpu, self._frame.world.scene
         truth = technique(GROUND_TRUTH)
-        settings = truth.candidates(light.kind, gpu.device.limits)[0]
+        settings = GROUND_TRUTH_SETTINGS
         self._volumes = None
         if truth.refuses(light, scene, gpu.device.limits, settings):
             return

@@ -12,7 +12,8 @@ from renderers.clock import ClockKind, StageClock
 from renderers.context import Gpu
 from renderers.frame import Frame, Mask, Surfaces
 from renderers.registry import technique
-from renderers.technique import Settings, ShadowPass
+from renderers.settings import Settings
+from renderers.technique import ShadowPass
 from renderers.world import World
 from scenes.scene import Camera, Light, Scene
 

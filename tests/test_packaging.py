@@ -30,14 +30,14 @@ def test_a_top_level_package_is_ours(name: str) -> None:
     assert spec.origin == str(ROOT / name / "__init__.py")
 
 
-def test_the_wheel_holds_every_module_and_shader(wheel: zipfile.ZipFile) -> None:
+def test_the_wheel_holds_every_module_shader_and_template(wheel: zipfile.ZipFile) -> None:
     sources = {
         path.relative_to(ROOT).as_posix()
         for package in PACKAGES
-        for suffix in ("py", "glsl")
+        for suffix in ("py", "glsl", "html", "css", "js")
         for path in (ROOT / package).rglob(f"*.{suffix}")
     }
-    assert any(source.endswith(".glsl") for source in sources)
+    assert {Path(source).suffix for source in sources} == {".py", ".glsl", ".html", ".css", ".js"}
     assert sources <= set(wheel.namelist())
 
 

@@ -151,6 +151,14 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
             rich_help_panel=EXTRAS,
         ),
     ] = False,
+    flicker: Annotated[
+        bool,
+        typer.Option(
+            "--flicker",
+            help="Move each camera a little and measure how much errors flicker; --json tells it.",
+            rich_help_panel=EXTRAS,
+        ),
+    ] = False,
     as_json: options.AsJson = False,
 ) -> None:
     """Choose a shadow technique for every light of a level, and write the choices into it.
@@ -166,7 +174,7 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
     from api.cli.failures import UsageError  # noqa: PLC0415
     from scenes.scene import Mobility  # noqa: PLC0415
     from selector.level_measuring import Request  # noqa: PLC0415
-    from selector.measuring import Plan  # noqa: PLC0415
+    from selector.measuring import FLICKER_STEPS, Plan  # noqa: PLC0415
 
     del mode
     if in_place and output is not None:
@@ -189,7 +197,13 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
             max_edge_error_px=max_edge_error_px,
             techniques=options.parse_names(techniques),
             mobility=Mobility(mobility) if mobility else None,
-            plan=Plan(resolution.width, resolution.height, rounds, verify=verify),
+            plan=Plan(
+                resolution.width,
+                resolution.height,
+                rounds,
+                verify=verify,
+                flicker_steps=FLICKER_STEPS if flicker else 0,
+            ),
         ),
         pictures=pictures,
         measurements=measurements,

@@ -14,7 +14,7 @@ from api.annotating import Workload
 from api.cli.terminal import printable, printable_name
 from api.verdicts import measurement_of, off_words, shows_shadow_edge
 from api.wording import counted
-from renderers.technique import Settings
+from renderers.settings import Settings
 from selector.level_measuring import Answer
 from selector.measurement import Status
 from selector.recommendation import Recommendation

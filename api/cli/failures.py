@@ -26,7 +26,7 @@ EXIT_MEANINGS = {
     3: "the level cannot be read or lacks what was asked for",
     4: "no usable device",
     5: "an output cannot be written",
-    EXIT_INCOMPLETE: "annotate: done, but some lights have no recommendation",
+    EXIT_INCOMPLETE: "done, but some lights have no recommendation",
     EXIT_INTERRUPTED: "interrupted",
     EXIT_CLOSED_PIPE: "the reader of the output has gone",
 }

@@ -16,6 +16,17 @@ class PlainCommand(TyperCommand):
         """Its parameters, flags without a type."""
         return _plain_flags(super().get_params(ctx))
 
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Its help page; words in braces are filled in from the registry, which only then is loaded."""
+        texts = [param for param in self.params if "{" in (getattr(param, "help", None) or "")]
+        if texts:
+            from api.vocabulary import help_words  # noqa: PLC0415
+
+            words = help_words()
+            for param in texts:
+                param.help = param.help.format_map(words)  # type: ignore[attr-defined]
+        super().format_help(ctx, formatter)
+
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """The usage line: `gnomon inspect [OPTIONS] LEVEL`."""
         return [piece.strip("{}") for piece in super().collect_usage_pieces(ctx)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -100,6 +100,62 @@ def one_of(*choices: str) -> Callable[[str], str]:
 def completing(*choices: str) -> Callable[[], list[str]]:
     """What a shell offers for an option that takes one of these words."""
     return lambda: list(choices)
+
+
+def known_techniques() -> list[str]:
+    """What a shell offers where a technique is asked for."""
+    from api.vocabulary import labels  # noqa: PLC0415  OpenGL is loaded only by whoever needs it
+
+    return list(labels())
+
+
+def known_views() -> list[str]:
+    """What a shell offers where a debug view is asked for."""
+    from api.showing import VIEW_NAMES  # noqa: PLC0415  as above
+
+    return list(VIEW_NAMES)
+
+
+def known_choices(setting: str) -> Callable[[], list[str]]:
+    """What a shell offers where a setting of techniques is asked for."""
+
+    def words() -> list[str]:
+        from api.vocabulary import choices  # noqa: PLC0415  as above
+
+        return list(choices(setting))
+
+    return words
+
+
+def known_settings(ctx: typer.Context) -> list[str]:
+    """What a shell offers where NAME=VALUE is asked for: those of the technique on the same line."""
+    from api.vocabulary import pairs  # noqa: PLC0415  as above
+    from scenes.errors import GnomonError  # noqa: PLC0415
+
+    try:
+        return list(pairs(str(ctx.params.get("technique") or "SM")))
+    except GnomonError:
+        return []
+
+
+def parse_settings(shorthands: Mapping[str, str | None], texts: Sequence[str]) -> dict[str, str]:
+    """Names and values of settings, from options of their own and from texts such as `depth=kozlov`.
+
+    Raises:
+        BadParameter: A text is no such pair, or a name is given twice.
+    """
+    found = {name: value for name, value in shorthands.items() if value is not None}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            shown = shortened(text, LONGEST_SHOWN)
+            raise typer.BadParameter(
+                f'"{shown}" is not NAME=VALUE, such as map_size=512.', param_hint="--set"
+            )
+        if name in found:
+            raise typer.BadParameter(f'"{shortened(name, LONGEST_SHOWN)}" is set twice.', param_hint="--set")
+        found[name] = value
+    return found
 
 
 DEFAULT_RESOLUTION = Resolution(640, 360)

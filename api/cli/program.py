@@ -8,11 +8,13 @@ from typing import Annotated
 import typer
 
 from api.cli.annotate import annotate
+from api.cli.compare import compare
 from api.cli.devices import devices
 from api.cli.failures import epilog, failing_cleanly
 from api.cli.help_pages import PlainCommand, PlainGroup, help_text
 from api.cli.inspect import inspect
 from api.cli.render import render
+from api.cli.thesis import thesis
 
 app = typer.Typer(
     name="gnomon",
@@ -23,10 +25,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (annotate, inspect, render, devices):
-    app.command(cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=command is annotate))(
-        failing_cleanly(command)
-    )
+for command in (annotate, compare, inspect, render, thesis, devices):
+    app.command(
+        cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=command in (annotate, compare))
+    )(failing_cleanly(command))
 
 
 def _print_version(value: bool) -> None:  # noqa: FBT001  Typer calls it so

@@ -24,13 +24,15 @@ class MeasuringProgress:
     Args:
         console: Where it is shown.
         steps: Steps of each light, in the order in which they are measured.
+        what: What stands in place of a light, in the singular.
 
     The estimate is what the steps so far took on average: all lights of a level meet the same candidates,
     so that whole lights are alike, however much the steps within one differ.
     """
 
-    def __init__(self, console: Console, steps: list[int]) -> None:
+    def __init__(self, console: Console, steps: list[int], what: str = "light") -> None:
         self._console = console
+        self._what = what
         self._steps = steps
         self._light = 0
         self._begun = 0
@@ -86,7 +88,7 @@ class MeasuringProgress:
         done = sum(self._steps[: self._light]) + max(self._begun - 1, 0)
         total = max(sum(self._steps), 1)
         light = min(self._light + 1, len(self._steps))
-        state = f"{100 * done // total:3} %  light {light} of {len(self._steps)}"
+        state = f"{100 * done // total:3} %  {self._what} {light} of {len(self._steps)}"
         remaining = _words(self._remaining(done, total)) if 0 < done < total else ""
         if self._bar:
             shown = f"{state}  {remaining}" if remaining else state

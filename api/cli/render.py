@@ -9,14 +9,18 @@ import typer
 
 from api.cli import options
 
-FILTERS, FOCI = ("1x1", "2x2"), ("light", "view")
-
 
 def render(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
     level: options.Level,
     technique: Annotated[
         str,
-        typer.Option("--technique", "-t", metavar="NAME", help="SM or SV, or its id, such as shadow_map."),
+        typer.Option(
+            "--technique",
+            "-t",
+            metavar="NAME",
+            autocompletion=options.known_techniques,
+            help="{techniques}, or its id, such as shadow_map.",
+        ),
     ] = "SM",
     light: Annotated[
         str | None,
@@ -47,12 +51,20 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
         ),
     ] = None,
     resolution: options.Size = options.DEFAULT_RESOLUTION,
+    show: Annotated[
+        str | None,
+        typer.Option(
+            "--show",
+            metavar="VIEW",
+            autocompletion=options.known_views,
+            help="What the picture shows in place of the shaded scene: {views}.",
+        ),
+    ] = None,
     map_size: Annotated[
-        int | None,
+        str | None,
         typer.Option(
             "--map-size",
             metavar="N",
-            parser=options.whole_number(128, 8192),
             help="Side of a shadow map, or of one face of a cube, in texels.",
             show_default="1024",
         ),
@@ -61,10 +73,9 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
         str | None,
         typer.Option(
             "--filter",
-            metavar="1x1|2x2",
-            parser=options.one_of(*FILTERS),
-            autocompletion=options.completing(*FILTERS),
-            help="Filter of a shadow map.",
+            metavar="NxN",
+            autocompletion=options.known_choices("filter"),
+            help="Filter of a shadow map: {filter}.",
             show_default="2x2",
         ),
     ] = None,
@@ -73,10 +84,19 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
         typer.Option(
             "--focus",
             metavar="light|view",
-            parser=options.one_of(*FOCI),
-            autocompletion=options.completing(*FOCI),
+            autocompletion=options.known_choices("focus"),
             help="What a shadow map covers: all that the light reaches, or only what the camera sees.",
             show_default="view for a sun, else light",
+        ),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            autocompletion=options.known_settings,
+            help="Any setting of the technique; an unknown name or value lists those there are. "
+            "May be given again.",
         ),
     ] = None,
     scene: options.SceneName = None,
@@ -91,12 +111,13 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
     from api.cli.terminal import errors, print_json, results  # noqa: PLC0415
     from api.rendering import Order, rendered  # noqa: PLC0415
 
-    wanted = {"map_size": map_size, "filter": filter_, "focus": focus}
+    shorthands = {"map_size": map_size, "filter": filter_, "focus": focus}
     order = Order(
         level=level,
         scene=scene,
         technique=technique,
-        settings={name: value for name, value in wanted.items() if value is not None},
+        settings=options.parse_settings(shorthands, settings or ()),
+        view=show,
         light=light,
         camera=camera,
         output=output,

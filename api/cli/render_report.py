@@ -42,7 +42,8 @@ def print_rendering(console: Console, rendering: Rendering) -> None:
     table.add_row("memory", f"{run.memory_bytes / 1e6:.2f} MB")
     table.add_row("work", ", ".join(f"{name.replace('_', ' ')} {n:,}" for name, n in view.counters.items()))
     table.add_row(f"error (against {view.truth})", _error(view.figures, view.flip))
-    table.add_row("picture", printable(str(rendering.output)))
+    shown = f", which shows the view {rendering.view}" if rendering.view else ""
+    table.add_row("picture", printable(f"{rendering.output}{shown}"))
     console.print(table)
 
 

@@ -10,6 +10,7 @@ from unittest.mock import Mock
 
 import pytest
 
+from renderers.registry import TECHNIQUES
 from renderers.shadow_map import ShadowMap
 from scenes.errors import OutputError
 from scenes.formats.registry import read_level
@@ -30,7 +31,9 @@ def level(tmp_path: Path) -> Path:
 @pytest.fixture(autouse=True)
 def _few_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
     few = [{"map_size": size, "filter": "2x2", "focus": "light"} for size in (128, 512)]
-    monkeypatch.setattr(ShadowMap, "candidates", lambda *_: few)
+    for known in TECHNIQUES:
+        chosen = {"SM": few, "SV": [{}]}.get(known.label, [])
+        monkeypatch.setattr(type(known), "candidates", lambda *_, chosen=chosen: chosen)
 
 
 def test_a_level_goes_in_and_comes_out_annotated(level: Path, tmp_path: Path) -> None:
@@ -86,6 +89,16 @@ def test_mobility_can_be_given(level: Path) -> None:
 def test_verify_compares_the_truth_with_rays(level: Path) -> None:
     result = gnomon("annotate", level, *QUICK, "--verify", width=160)
     assert "agrees with ray casting" in result.stdout
+
+
+def test_flicker_is_measured_on_request(level: Path) -> None:
+    def flickers(*arguments: str) -> set[float | None]:
+        lights = answered("annotate", level, *QUICK, *arguments)["lights"]
+        return {one["flicker"] for light in lights for one in light["candidates"] if one["status"] == "ok"}
+
+    assert flickers() == {None}
+    # Shadow volumes are exact in every frame.
+    assert flickers("--flicker") == {0.0}
 
 
 def test_clear_gives_the_original_back(level: Path, tmp_path: Path) -> None:
@@ -337,7 +350,6 @@ def test_a_level_that_changed_meanwhile_is_not_overwritten(
         (("--max-edge-error-px", "inf"), 2, "not a finite number of pixels"),
         (("--max-edge-error-px", "50%"), 2, '"50%" is not a number of pixels such as 1.5'),
         (("--rounds", "two"), 2, '"two" is not a whole number from 1 to 1000'),
-        (("--techniques", "psm"), 2, "not in this version yet"),
         (("--mode", "predict"), 2, '"predict" is not "measure"'),
         (("--mobility", "floating"), 2, "floating"),
         (("--resolution", "big"), 2, "not a resolution"),

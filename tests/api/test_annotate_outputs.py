@@ -9,7 +9,7 @@ from unittest.mock import Mock
 
 import pytest
 
-from renderers.shadow_map import ShadowMap
+from renderers.registry import TECHNIQUES
 from scenes.formats.registry import read_level
 from scenes.scene import Light, LightKind
 from selector.measuring import Bench
@@ -28,7 +28,9 @@ def level(tmp_path: Path) -> Path:
 @pytest.fixture(autouse=True)
 def _few_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
     few = [{"map_size": size, "filter": "2x2", "focus": "light"} for size in (128, 512)]
-    monkeypatch.setattr(ShadowMap, "candidates", lambda *_: few)
+    for known in TECHNIQUES:
+        chosen = {"SM": few, "SV": [{}]}.get(known.label, [])
+        monkeypatch.setattr(type(known), "candidates", lambda *_, chosen=chosen: chosen)
 
 
 @pytest.fixture

@@ -35,7 +35,7 @@ def shown_json(command: str) -> object:
 
 
 def test_every_command_has_a_section() -> None:
-    assert set(COMMANDS) == {"annotate", "inspect", "render", "devices"}
+    assert set(COMMANDS) == {"annotate", "compare", "inspect", "render", "thesis", "devices"}
     assert set(COMMANDS) <= set(SECTIONS)
 
 
@@ -72,8 +72,10 @@ def test_the_json_that_is_shown_has_the_keys_that_come_out(command: str, tmp_pat
     level = small_level(tmp_path)
     arguments = {
         "annotate": [level, *QUICK],
+        "compare": [level, "--resolution", "96x64", "--rounds", "1", "-t", "SV", "--light", "Lamp"],
         "inspect": [level],
         "render": [level, "--resolution", "96x64", "-t", "SV", "-o", tmp_path / "p.png"],
+        "thesis": ["--only", "O10", "--no-times", "--resolution", "80x64"],
         "devices": [],
     }
     assert keys(shown_json(command)) == keys(answered(command, *arguments[command]))
@@ -83,7 +85,7 @@ def keys(value: object) -> object:
     """The shape of a JSON value: keys, and the shape of the first entry of each list."""
     if isinstance(value, dict):
         # What differs by technique, and what a reader need not see.
-        free = ("settings", "counters", "stages_ms", "runner_up", "runner-up")
+        free = ("settings", "counters", "stages_ms", "runner_up", "runner-up", "measurement")
         return {key: None if key in free else keys(entry) for key, entry in value.items()}
     if isinstance(value, list):
         return [keys(value[0])] if value and isinstance(value[0], dict) else []

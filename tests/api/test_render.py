@@ -90,12 +90,12 @@ def test_the_picture_is_named_after_what_it_shows(
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (("-t", "PCSS"), 2, "SM (shadow_map), SV (shadow_volume)"),
-        (("-t", "SV", "--map-size", "512"), 2, "SV has no --map-size"),
-        (("--map-size", "64"), 2, "--map-size"),
+        (("-t", "PCSS"), 2, "SM (shadow_map), PSM (perspective_shadow_map), "),
+        (("-t", "SV", "--map-size", "512"), 2, 'SV has no setting "map_size"'),
+        (("--map-size", "8"), 2, 'SM cannot have map_size "8"'),
         (("--resolution", "640"), 2, "not a resolution"),
         (("--resolution", "4x4"), 2, "between"),
-        (("--filter", "3x3"), 2, "3x3"),
+        (("--filter", "5x5"), 2, "It may be 1x1, 2x2, 3x3, 4x4."),
         (("--light", "Moon"), 3, 'the lights "Lamp", "Torch", "Sun"'),
         (("--light", "9"), 3, 'no light "9"'),
         (("--camera", "Drone"), 3, 'the camera "Eye"'),

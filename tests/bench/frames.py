@@ -25,7 +25,8 @@ from renderers.clock import StageClock, truthful_clock
 from renderers.context import Gpu
 from renderers.frame import Frame
 from renderers.registry import technique
-from renderers.technique import Counters, Outcome, Settings, ShadowPass
+from renderers.settings import Settings
+from renderers.technique import Counters, Outcome, ShadowPass
 from renderers.timing import TimedFrame, timed_frame
 from renderers.world import World
 from scenes.formats.registry import read_level

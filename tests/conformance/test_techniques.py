@@ -5,13 +5,15 @@ from __future__ import annotations
 import gc
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from renderers.context import DeviceLimits, Gpu
 from renderers.registry import GROUND_TRUTH, TECHNIQUES, UnknownTechniqueError, technique
-from renderers.technique import Settings, Technique
+from renderers.settings import Settings
+from renderers.technique import Technique
 from scenes.scene import Array, Camera, Light, LightKind, Mesh, Scene
 from tests import tolerances
 from tests.gl_state import gl_state, live_objects
@@ -46,14 +48,25 @@ class Case:
         return None if size is None else int(size)
 
 
+def as_itself(known: Technique, settings: Settings) -> Settings:
+    """`settings`, without leave to draw another technique where this one promises nothing."""
+    return settings | {"fall_back": "never"} if "fall_back" in known.options else settings
+
+
 CASES = [
-    Case(known, kind, settings)
+    Case(known, kind, as_itself(known, settings))
     for known in TECHNIQUES
     for kind in LightKind
     for settings in known.candidates(kind, ROOMY)
 ]
 # One candidate of each kind answers for what does not depend on the settings.
 FEW = list({(case.technique.name, case.kind): case for case in reversed(CASES)}.values())
+FEW += [
+    Case(known, kind, known.candidates(kind, ROOMY)[0])
+    for known in TECHNIQUES
+    for kind in LightKind
+    if "fall_back" in known.options
+]
 every_case = pytest.mark.parametrize("case", CASES, ids=lambda case: case.label)
 every_kind = pytest.mark.parametrize("case", FEW, ids=lambda case: case.label)
 
@@ -122,6 +135,27 @@ def test_a_mask_is_what_rays_say(gpu: Gpu, case: Case) -> None:
             bound += tolerances.SAMPLED_WRONG / case.texels
         # One pixel is more than the share of a small domain.
         assert judge(scene, mask, seen, domain, light, camera).wrong.sum() <= max(1, bound * domain.sum())
+
+
+@pytest.mark.parametrize("kind", LightKind)
+@pytest.mark.parametrize("known", TECHNIQUES, ids=lambda known: known.label)
+def test_a_finer_map_is_never_worse(gpu: Gpu, known: Technique, kind: LightKind) -> None:
+    """Summed over scenes: in one of them chance may favour the coarser map."""
+    candidates = [as_itself(known, settings) for settings in known.candidates(kind, ROOMY)]
+    sizes = sorted({int(settings["map_size"]) for settings in candidates if "map_size" in settings})
+    if not sizes:
+        pytest.skip(f"{known.label} has no map")
+    wrong, judged = dict.fromkeys(sizes, 0), 0
+    for seed, geometry in enumerate(("closed boxes", "triangle soup", "open sheets", "closed boxes")):
+        scene, light, camera = random_scene(geometry, seed), random_light(kind, seed), random_camera(seed)
+        for size in sizes:
+            settings = next(one for one in candidates if one.get("map_size") == size)
+            mask, seen, domain = render_mask(gpu, scene, light, camera, SIZE, known.name, settings)
+            wrong[size] += int(judge(scene, mask, seen, domain, light, camera).wrong.sum())
+            judged += int(domain.sum())
+    noise = tolerances.VOLUME_WRONG_SHARE * judged
+    for coarse, fine in pairwise(sizes):
+        assert wrong[fine] <= tolerances.FINER * wrong[coarse] + noise, wrong
 
 
 @every_kind

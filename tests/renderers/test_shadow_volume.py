@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 from scipy.spatial.transform import Rotation
 
-from renderers import volume_pass
+from renderers import volume_pieces
 from renderers.context import Gpu
 from renderers.frame import Frame
 from renderers.volume_pass import VolumePass
@@ -85,7 +85,7 @@ def counted(frame: Frame, depth_func: str = "<=") -> npt.NDArray[np.float32]:
 
 
 def run_to_infinity(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(volume_pass, "end_plane", lambda *_: None)
+    monkeypatch.setattr(volume_pieces, "end_plane", lambda *_: None)
 
 
 @pytest.mark.parametrize("layers", [255, 256, 257, 512])
@@ -121,7 +121,7 @@ def test_caps_have_the_depth_bits_of_the_surfaces_they_lie_on(
 
 def differing_depths(frame: Frame) -> int:
     """Texels whose depth differs when caps are drawn instead of surfaces; volumes must run to infinity."""
-    gpu, world = frame.gpu, frame.world
+    gpu = frame.gpu
     depth = gpu.depth_texture(frame.width, frame.height)
     target = gpu.ctx.framebuffer(depth_attachment=depth)
     with volumes_of(frame) as volumes:
@@ -132,9 +132,10 @@ def differing_depths(frame: Frame) -> int:
         gpu.ctx.enable_only(moderngl.DEPTH_TEST)
         # Far caps lie at depth 0, infinitely far: they never pass, and only near caps are drawn.
         gpu.ctx.depth_func = ">"
-        volumes._block.bind_to_uniform_block(2)
-        volumes._bind(world.vertex_buffer, volumes._caps)
-        volumes._draw_caps.render_indirect(volumes._cap_command, moderngl.TRIANGLES, count=1)
+        pieces = volumes._pieces
+        pieces._block.bind_to_uniform_block(2)
+        volume_pieces._bind(frame.world.vertex_buffer, pieces._caps)
+        pieces._draw_caps.render_indirect(pieces._cap_command, moderngl.TRIANGLES, count=1)
         gpu.ctx.enable_only(moderngl.NOTHING)
     caps = np.frombuffer(depth.read(), np.uint32)
     surfaces = np.frombuffer(frame.depth.read(), np.uint32)

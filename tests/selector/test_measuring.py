@@ -11,7 +11,7 @@ import pytest
 
 from renderers.clock import StageClock
 from renderers.context import Gpu
-from renderers.shadow_map import ShadowMapPass
+from renderers.map_shadow import MapShadowPass
 from renderers.shadow_volume import ShadowVolumePass
 from renderers.technique import Outcome
 from scenes.scene import Light, Mobility
@@ -19,6 +19,7 @@ from selector.candidate import Candidate
 from selector.measurement import LightMeasurement, Measurement, Status, Truth
 from selector.measurement_record import measurement_record
 from selector.measuring import Bench, OnPicture, Plan
+from selector.truth import Shown
 from tests.selector.measurements import SV
 from tests.small_level import CAMERA, POINT, SPOT, SUN, small_scene
 
@@ -106,13 +107,13 @@ def test_rounds_shuffle_the_candidates_and_repeat_by_seed(
     measure: Callable[..., LightMeasurement], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     order: list[int] = []
-    draw = ShadowMapPass.render
+    draw = MapShadowPass.render
 
-    def watched(self: ShadowMapPass, clock: StageClock, *, rebuild: bool) -> Outcome:
+    def watched(self: MapShadowPass, clock: StageClock, *, rebuild: bool) -> Outcome:
         order.append(self._side)
         return draw(self, clock, rebuild=rebuild)
 
-    monkeypatch.setattr(ShadowMapPass, "render", watched)
+    monkeypatch.setattr(MapShadowPass, "render", watched)
     candidates = [shadow_map(size) for size in (128, 160, 192, 224, 256)]
     plan = Plan(96, 64, rounds=6)
 
@@ -155,15 +156,15 @@ def test_one_candidate_fails_alone(
     status: Status,
     place: str,
 ) -> None:
-    whole = getattr(ShadowMapPass, place)
+    whole = getattr(MapShadowPass, place)
 
-    def fails(self: ShadowMapPass, *args: object, **options: object) -> object:
+    def fails(self: MapShadowPass, *args: object, **options: object) -> object:
         failing = args[2]["map_size"] == 128 if place == "__init__" else self._side == 128  # type: ignore[index]
         if failing:
             raise raised
         return whole(self, *args, **options)
 
-    monkeypatch.setattr(ShadowMapPass, place, fails)
+    monkeypatch.setattr(MapShadowPass, place, fails)
     found = by_candidate(measure(SMALL, LARGE, SV))
     assert found[SMALL].status is status
     assert str(raised) in found[SMALL].reason
@@ -174,16 +175,16 @@ def test_one_candidate_fails_alone(
 def test_a_failure_while_timing_is_a_failure(
     measure: Callable[..., LightMeasurement], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    draw, calls = ShadowMapPass.render, []
+    draw, calls = MapShadowPass.render, []
 
-    def fails_late(self: ShadowMapPass, clock: StageClock, *, rebuild: bool) -> Outcome:
+    def fails_late(self: MapShadowPass, clock: StageClock, *, rebuild: bool) -> Outcome:
         if self._side == 128:
             calls.append(rebuild)
             if len(calls) == 3:
                 raise moderngl.Error("GL_INVALID_VALUE")
         return draw(self, clock, rebuild=rebuild)
 
-    monkeypatch.setattr(ShadowMapPass, "render", fails_late)
+    monkeypatch.setattr(MapShadowPass, "render", fails_late)
     found = by_candidate(measure(SMALL, SV))
     assert found[SMALL].status is Status.GL_ERROR
     assert len(found[SMALL].views[0].samples) == 1
@@ -193,15 +194,15 @@ def test_a_failure_while_timing_is_a_failure(
 def test_a_slow_candidate_is_not_repeated(
     measure: Callable[..., LightMeasurement], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    draw, calls = ShadowMapPass.render, []
+    draw, calls = MapShadowPass.render, []
 
-    def slow(self: ShadowMapPass, clock: StageClock, *, rebuild: bool) -> Outcome:
+    def slow(self: MapShadowPass, clock: StageClock, *, rebuild: bool) -> Outcome:
         if self._side == 128:
             calls.append(rebuild)
             time.sleep(0.3)
         return draw(self, clock, rebuild=rebuild)
 
-    monkeypatch.setattr(ShadowMapPass, "render", slow)
+    monkeypatch.setattr(MapShadowPass, "render", slow)
     found = by_candidate(measure(SMALL, SV, plan=Plan(96, 64, rounds=2, timeout_s=0.25)))
     assert found[SMALL].status is Status.TIMEOUT
     assert "view Eye" in found[SMALL].reason
@@ -212,13 +213,13 @@ def test_a_slow_candidate_is_not_repeated(
 def test_what_falls_back_is_not_counted_as_itself(
     measure: Callable[..., LightMeasurement], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    draw = ShadowMapPass.render
+    draw = MapShadowPass.render
 
-    def fallen(self: ShadowMapPass, clock: StageClock, *, rebuild: bool) -> Outcome:
+    def fallen(self: MapShadowPass, clock: StageClock, *, rebuild: bool) -> Outcome:
         draw(self, clock, rebuild=rebuild)
         return Outcome("shadow_volume", note="the light is behind the camera")
 
-    monkeypatch.setattr(ShadowMapPass, "render", fallen)
+    monkeypatch.setattr(MapShadowPass, "render", fallen)
     # The canary draws a shadow map too, and asks for nothing but its time.
     found = by_candidate(measure(SMALL))
     assert found[SMALL].status is Status.REFUSED
@@ -262,17 +263,24 @@ def test_the_truth_itself_is_verified_on_request(measure: Callable[..., LightMea
 
 
 def test_pictures_come_of_the_truth_and_of_every_candidate(measure: Callable[..., LightMeasurement]) -> None:
-    pictures: dict[Candidate | None, np.ndarray] = {}
+    shown: dict[Candidate | None, Shown] = {}
 
-    def keep(light: Light, camera: object, candidate: Candidate | None, picture: np.ndarray) -> None:
+    def keep(light: Light, camera: object, candidate: Candidate | None, what: Shown) -> None:
         assert (light, camera) == (SPOT, CAMERA)
-        pictures[candidate] = picture
+        shown[candidate] = what
 
     measure(SMALL, SV, on_picture=keep)
-    assert list(pictures) == [None, SMALL, SV]
+    assert list(shown) == [None, SMALL, SV]
+    pictures = {candidate: what.picture for candidate, what in shown.items()}
     assert all(picture.shape == (64, 96, 3) for picture in pictures.values())
     assert np.array_equal(pictures[None], pictures[SV])
     assert not np.array_equal(pictures[None], pictures[SMALL])
+    for what in shown.values():
+        assert what.mask.shape == what.truth.lit.shape == what.truth.domain.shape == (64, 96)
+    assert np.array_equal(shown[None].mask > 0.5, shown[None].truth.lit)
+    assert np.array_equal(shown[SV].mask, shown[None].mask)
+    wrong = (shown[SMALL].mask >= 0.5) != shown[SMALL].truth.lit
+    assert wrong[shown[SMALL].truth.domain].any()
 
 
 def test_passes_that_do_not_fit_together_are_measured_one_after_the_other(

@@ -1,12 +1,8 @@
-// Williams 1978, "Casting curved shadows on curved surfaces": lit where nothing on the map is nearer.
-#include "receiver.glsl"
-
+// Where a receiver lies on a light's map, moved out of its own shadow. Needs receiver.glsl.
 layout(std140, binding = 2) uniform MapBlock {
     mat4 atlas_from_scene[6];   // homogeneous atlas coordinates and depth, all in [0, 1]
-    vec4 texel_offset;          // size of a texel in atlas coordinates, normal offset in texels, 0
+    vec4 texel_offset;          // size of a texel in atlas coordinates, normal offset in texels, taps of the filter
 };
-layout(binding = 2) uniform sampler2DShadow map;
-layout(location = 0) out float lit;
 
 // The least length of a normal as it is decoded, in the diagonals of the octahedron.
 const float SHORTEST_NORMAL = 0.57735;
@@ -25,7 +21,7 @@ float texel_side_squared(mat4 map_matrix, vec4 q) {
 
 // The receiver is moved along its normal by a share of a texel, less the more it faces the light, and by what
 // its position is rounded to: polygon offset does not know of that, and facing the light it may exceed any slope.
-float compared(mat4 map_matrix, Receiver receiver) {
+vec4 offset_place(mat4 map_matrix, Receiver receiver) {
     vec3 to_light = towards_light(receiver.position);
     float normal_squared = dot(receiver.normal, receiver.normal);
     float light_squared = dot(to_light, to_light);
@@ -36,25 +32,13 @@ float compared(mat4 map_matrix, Receiver receiver) {
     float share = sine_squared / (normal_squared * normal_squared * light_squared);
     float moved = texel_offset.z * sqrt(texel_side_squared(map_matrix, q) * share)
         + eye_rounding.w / SHORTEST_NORMAL;
-    return textureProj(map, q + map_matrix * vec4(moved * receiver.normal, 0.0));
+    return q + map_matrix * vec4(moved * receiver.normal, 0.0);
 }
 
-#section one_face
-void main() {
-    lit = compared(atlas_from_scene[0], visible_receiver());
-}
-
-#section six_faces
 // Faces stand in the order +X -X +Y -Y +Z -Z.
 int face_of(vec3 from_light) {
     vec3 size = abs(from_light);
     if (size.x >= size.y && size.x >= size.z) return from_light.x >= 0.0 ? 0 : 1;
     if (size.y >= size.z) return from_light.y >= 0.0 ? 2 : 3;
     return from_light.z >= 0.0 ? 4 : 5;
-}
-
-void main() {
-    Receiver receiver = visible_receiver();
-    int face = face_of(-towards_light(receiver.position));
-    lit = compared(atlas_from_scene[face], receiver);
 }
