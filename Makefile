@@ -52,11 +52,13 @@ validator:
 
 test-slow: setup validator
 	$(PYTEST) -m slow --timeout 3600 $(TESTS)
+	GNOMON_CORPUS_EXAMPLES=15 $(PYTEST) -n $(WORKERS) --timeout 3600 tests/scenes/test_corpus_families.py
 
 fuzz: setup
-	GNOMON_FUZZ_EXAMPLES=20000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/scenes/test_gltf_fuzz.py
+	GNOMON_FUZZ_EXAMPLES=20000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/scenes/test_*_fuzz.py
 
 bench: setup
+	$(BIN)/python tests/bench/reading.py
 	$(BIN)/python tests/bench/frames.py
 	$(BIN)/python tests/bench/techniques.py
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from api.added_lights import check_place, write_lights_beside
 from api.choosing import (
     chosen_cameras,
     chosen_lights,
@@ -32,7 +33,7 @@ from renderers.context import Device, Gpu
 from renderers.registry import technique
 from scenes.atomic_file import write_atomically
 from scenes.errors import GnomonError, OutputError
-from scenes.formats.registry import format_of, read_level
+from scenes.formats.registry import LevelFormat, format_of, read_level
 from scenes.level import Level
 from scenes.level_file import read_level_file
 from scenes.level_output import luggage, write_level
@@ -58,11 +59,12 @@ class Order:
         target: The annotated level.
         in_place: Whether the level itself is overwritten; the target is the level then.
         lights: Names, numbers or nodes; all where empty.
-        cameras: The same for cameras.
+        cameras: The same for cameras; those that show what a light lights, or else viewpoints, where empty.
         request: What is asked about each light.
         pictures: Folder for pictures; none where None.
         measurements: File for the raw samples; none where None.
         device: Index or name; the first that works where None.
+        added_lights: Lights in words, to be written beside plain geometry that has none.
     """
 
     level: Path
@@ -75,6 +77,7 @@ class Order:
     pictures: Path | None
     measurements: Path | None
     device: str | None
+    added_lights: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,7 @@ class Workload:
         standing: What the level says of its lights so far, by node; it stays where nothing new is found.
         left_behind: Files outside the level's folder that the level names, and that do not go with it.
         problems: What went wrong with an output so far; it must not cost the other results.
+        lights_file: That was written with the lights added, if any were.
     """
 
     order: Order
@@ -104,6 +108,7 @@ class Workload:
     standing: Mapping[int, LightAnnotation]
     left_behind: tuple[Path, ...]
     problems: list[GnomonError]
+    lights_file: Path | None
     _gpu: Gpu
 
     def measured(self, on_step: Callable[[str], None]) -> Iterator[Answer]:
@@ -141,6 +146,7 @@ def workload(order: Order) -> Iterator[Workload]:
 
     Raises:
         LevelError: The level cannot be read, has no lights or triangles, or not those that are wanted.
+        AddedLightError: There is no place for the lights added.
         OutputError: An output could not be written.
         DeviceError: There is no such device.
         UnknownTechniqueError: A technique is not known.
@@ -150,13 +156,11 @@ def workload(order: Order) -> Iterator[Workload]:
     require_file(order.level)
     level_format = format_of(order.level)
     source = read_level_file(order.level)
+    lights_file = _write_added_lights(order, source, level_format) if order.added_lights else None
     level = read_level(order.level, order.scene)
     require_triangles(level)
     lights, cameras = chosen_lights(level, order.lights), chosen_cameras(level, order.cameras)
-    if order.in_place:
-        check_in_place(order.level, source, level_format)
-    else:
-        check_target(order.level, order.target, level_format)
+    _check_output(order, source, level_format)
     standing = level_format.read_annotations(source)
     # What the file's form forbids is found now: a bare annotation meets the same obstacles as a real one.
     trial = level_format.annotate(source, {_node(light): LightAnnotation({}, {}) for light in lights})
@@ -168,8 +172,20 @@ def workload(order: Order) -> Iterator[Workload]:
     with Gpu(order.device) as gpu:
         seen = seen_lights(level.scene, lights, cameras)
         steps = [order.request.steps(one, gpu.device.limits) for one in seen]
-        clock = truthful_clock(gpu)
-        yield Workload(order, level, source, seen, gpu.device, clock, steps, standing, left_behind, [], gpu)
+        yield Workload(
+            order,
+            level,
+            source,
+            seen,
+            gpu.device,
+            truthful_clock(gpu),
+            steps,
+            standing,
+            left_behind,
+            [],
+            lights_file,
+            gpu,
+        )
 
 
 def write_results(work: Workload, found: Sequence[Answer]) -> tuple[Path, ...]:
@@ -264,7 +280,7 @@ def result_record(work: Workload, found: Sequence[Answer], written: Sequence[Pat
         "format": work.level.format,
         "digest": work.level.scene.digest,
         "output": path_words(written[-1]) if written else None,
-        "written": [path_words(path) for path in written],
+        "written": [path_words(path) for path in (*filter(None, [work.lights_file]), *written)],
         "device": work.device.as_dict(),
         "clock": str(work.clock),
         "resolution": [plan.width, plan.height],
@@ -293,6 +309,20 @@ def _measurements_file(work: Workload, found: Sequence[Answer]) -> bytes:
     text = json.dumps(record, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
     # Names in a level may hold halves of surrogate pairs, which have no UTF-8.
     return text.encode(errors="replace")
+
+
+def _write_added_lights(order: Order, source: bytes, level_format: LevelFormat) -> Path:
+    """Writes them when all that is cheap to check has been: a lights file left behind would be in the way."""
+    check_place(order.level, order.added_lights)
+    _check_output(order, source, level_format)
+    return write_lights_beside(order.level, order.scene, order.added_lights)
+
+
+def _check_output(order: Order, source: bytes, level_format: LevelFormat) -> None:
+    if order.in_place:
+        check_in_place(order.level, source, level_format)
+    else:
+        check_target(order.level, order.target, level_format)
 
 
 def _check_measurements(order: Order, path: Path, named: Sequence[Path]) -> None:

@@ -30,13 +30,16 @@ def chosen_lights(level: Level, wanted: Sequence[str]) -> tuple[Light, ...]:
         raise LevelError(
             "This level has no lights that cast shadows.",
             where=str(level.path),
-            remedy="Export it with its lights (in glTF: KHR_lights_punctual).",
+            remedy="Export it with its lights (in glTF: KHR_lights_punctual); plain geometry takes them from "
+            "a lights file or --add-light.",
         )
     return _chosen(level, level.scene.lights, "light", wanted)
 
 
 def chosen_cameras(level: Level, wanted: Sequence[str]) -> tuple[Camera, ...]:
-    """The cameras that are meant, in the level's order; all of them where nothing is wanted.
+    """The cameras that are meant, in the level's order.
+
+    None where nothing is wanted: each light is then judged over views of its own.
 
     Raises:
         LevelError: There is none of that name; the message lists those there are.
@@ -47,7 +50,7 @@ def chosen_cameras(level: Level, wanted: Sequence[str]) -> tuple[Camera, ...]:
             where=str(level.path),
             remedy="Leave --camera out: each light is then seen from four viewpoints made for it.",
         )
-    return _chosen(level, level.scene.cameras, "camera", wanted)
+    return _chosen(level, level.scene.cameras, "camera", wanted) if wanted else ()
 
 
 def require_file(path: Path) -> None:

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from api.added_lights import level_with_lights
 from api.choosing import chosen_cameras, chosen_lights, require_file, require_triangles
 from api.comparison_model import LightPart
 from api.comparison_page import PageFacts, page_bytes
@@ -20,9 +21,10 @@ from renderers.clock import ClockKind, truthful_clock
 from renderers.context import Device, Gpu
 from renderers.registry import technique
 from scenes.atomic_file import write_atomically
-from scenes.formats.registry import format_of, read_level
+from scenes.formats.registry import format_of
 from scenes.level import Level
 from scenes.level_file import read_level_file
+from scenes.scene import Light
 from selector.level_measuring import Answer, Request, SeenLight, answers, seen_lights
 from selector.measurement_record import answer_record, measurement_record
 from selector.measuring import Bench
@@ -43,9 +45,10 @@ class Order:
         scene: Which of its scenes; the default one where None.
         target: The page.
         lights: Names, numbers or nodes; the first few where empty.
-        cameras: The same for cameras; all where empty.
+        cameras: The same for cameras; those that show what a light lights, or else viewpoints, where empty.
         request: What is asked about each light.
         device: Index or name; the first that works where None.
+        added_lights: Lights in words, which come after the level's own.
     """
 
     level: Path
@@ -55,6 +58,7 @@ class Order:
     cameras: Sequence[str]
     request: Request
     device: str | None
+    added_lights: Sequence[str] = ()
 
 
 @dataclass
@@ -114,13 +118,13 @@ def comparison(order: Order) -> Iterator[Workload]:
         technique(name)
     require_file(order.level)
     level_format = format_of(order.level)
-    level = read_level(order.level, order.scene)
+    level = level_with_lights(order.level, order.scene, order.added_lights)
     require_triangles(level)
     lights, cameras = chosen_lights(level, order.lights), chosen_cameras(level, order.cameras)
     named = level_format.companions(read_level_file(order.level), order.level)
     check_spares_level(order.target, order.level, named, "-o")
     check_page(order.target)
-    on_page = lights if order.lights else lights[:MOST_LIGHTS]
+    on_page = lights if order.lights else _first(lights, len(order.added_lights))
     with Gpu(order.device) as gpu:
         seen = seen_lights(level.scene, on_page, cameras)
         steps = [order.request.steps(one, gpu.device.limits) for one in seen]
@@ -169,6 +173,12 @@ def result_record(work: Workload, size: int) -> Json:
     }
 
 
+def _first(lights: tuple[Light, ...], added: int) -> tuple[Light, ...]:
+    """As many as a page takes, and in any case the last `added` of them, which somebody asked for."""
+    own = len(lights) - added
+    return (*lights[: min(own, max(MOST_LIGHTS - added, 0))], *lights[own:])
+
+
 def _facts(work: Workload) -> PageFacts:
     request = work.order.request
     return PageFacts(
@@ -177,6 +187,7 @@ def _facts(work: Workload) -> PageFacts:
         digest=work.level.scene.digest,
         triangles=work.level.scene.triangle_count,
         left_out=work.left_out,
+        techniques=tuple(dict.fromkeys(technique(name).label for name in request.techniques)),
         width=request.plan.width,
         height=request.plan.height,
         rounds=request.plan.rounds,

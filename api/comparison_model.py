@@ -110,7 +110,8 @@ class LightPart:
         rows: Every candidate.
         columns: The error figures beside the edge that any candidate has.
         stage_colors: Stages that bars show, with their place in the palette.
-        plot: Time against error; None where nothing could be weighed.
+        shadowless: Whether no view shows an edge of its shadow, so that it may do without.
+        plot: Time against error; None where nothing could be weighed, or no error can tell candidates apart.
         views: With their pictures.
         canary: How steady the machine was.
         truth: What the masks were compared with.
@@ -127,6 +128,7 @@ class LightPart:
     rows: tuple[Row, ...]
     columns: tuple[str, ...]
     stage_colors: Mapping[str, int]
+    shadowless: bool
     plot: Plot | None
     views: tuple[ViewPart, ...]
     canary: str

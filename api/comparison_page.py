@@ -32,6 +32,7 @@ class PageFacts:
         digest: Of the scene.
         triangles: Of the scene.
         left_out: Lights of the level that are not on the page.
+        techniques: Labels of those that were asked for; none where all are shown.
         width: Of each view, in pixels.
         height: Of each view, in pixels.
         rounds: How often every candidate was timed.
@@ -46,6 +47,7 @@ class PageFacts:
     digest: str
     triangles: int
     left_out: int
+    techniques: tuple[str, ...]
     width: int
     height: int
     rounds: int

@@ -11,6 +11,7 @@ from api.comparison_labels import Point
 from api.comparison_model import Card, LightPart, Row, Stage, ViewPart
 from api.comparison_pictures import Layers, ViewPictures
 from api.comparison_plot import Plot, plot
+from api.verdicts import shows_shadow_edge
 from renderers.registry import TECHNIQUES
 from renderers.timing import SHADING, SURFACES
 from scenes.scene import Mobility
@@ -64,6 +65,7 @@ class LightParts:
             rows=rows,
             columns=_columns(rows),
             stage_colors={name: color for name, color in self._colors.items() if name in shown},
+            shadowless=recommendation is not None and not shows_shadow_edge(recommendation),
             plot=_plot(rows, recommendation) if recommendation else None,
             views=_views(key, rows, measurement, mobility, pictures) if measurement else (),
             canary=_canary(measurement) if measurement else "",
@@ -98,7 +100,7 @@ class LightParts:
                     stages=self._stages(one, mobility, longest),
                     edge=words.edge_words(one, known),
                     figures=_figures(one),
-                    memory=words.amount(one.memory_bytes),
+                    memory=words.memory(one.memory_bytes),
                     counters=_counters(one.views),
                     notes=tuple(dict.fromkeys(printable(view.note) for view in one.views if view.note)),
                 )
@@ -170,7 +172,9 @@ def _counters(views: Sequence[ViewRun]) -> tuple[tuple[str, tuple[str, ...]], ..
     )
 
 
-def _plot(rows: Sequence[Row], recommendation: Recommendation) -> Plot:
+def _plot(rows: Sequence[Row], recommendation: Recommendation) -> Plot | None:
+    if not shows_shadow_edge(recommendation) and not any(one.exceedance_px for one in recommendation.rated):
+        return None
     of_row = dict(zip((one.candidate for one in recommendation.measurement.measurements), rows, strict=True))
     points = [
         Point(

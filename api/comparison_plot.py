@@ -125,7 +125,7 @@ def plot(points: Sequence[Point], limit_px: float) -> Plot:
         error.ticks(),
         error.at(limit_px) if limit_px >= LEAST_ERROR_PX else lane_y,
         lane_y,
-        "0" if all(point.error_px == 0 or point.error_px >= LEAST_ERROR_PX for point in points) else "< 0.01",
+        f"< {LEAST_ERROR_PX:g}",
     )
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 
-from api.verdicts import EXACT, is_exact_by_definition
-from api.wording import counted
+from api.verdicts import EXACT, is_exact_by_definition, shows_edge
+from api.wording import amount, counted
 from scenes.scene import Light, LightKind
 from selector.measurement import Measurement
 from selector.recommendation import SHORT_EDGE_PX, Rated
 
 NOTHING, NO_EDGE = "-", "no edge"
-KIB, MIB = 1 << 10, 1 << 20
 
 
 def digits(value: float) -> str:
@@ -47,11 +46,9 @@ def difference(flip: float | None) -> str:
     return NOTHING if flip is None else f"{flip:.4f}" if flip else "0"
 
 
-def amount(size: int) -> str:
-    """`4.0 MiB`."""
-    if size == 0:
-        return NOTHING
-    return f"{size / MIB:,.1f} MiB" if size >= MIB else f"{size / KIB:,.1f} KiB"
+def memory(size: int) -> str:
+    """`4.0 MiB`, and a dash for nothing."""
+    return amount(size) if size else NOTHING
 
 
 def edge_words(one: Measurement, rated: Rated | None) -> str:
@@ -59,7 +56,7 @@ def edge_words(one: Measurement, rated: Rated | None) -> str:
     if rated is None:
         return pixels(one.figure("edge_error_px"))
     if is_exact_by_definition(one) and not rated.exceedance_px:
-        return EXACT
+        return EXACT if shows_edge(one) else NO_EDGE
     if rated.exceedance_px > (rated.edge_error_px or 0.0):
         return counted(round(rated.exceedance_px * SHORT_EDGE_PX), "wrong pixel")
     return NO_EDGE if rated.edge_error_px is None else pixels(rated.edge_error_px)

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from api.shells import Shells
 from api.wording import counted, path_words
 from scenes.level import Level
 from scenes.scene import Array, Camera, Light, LightKind, Mesh, Scene
+from scenes.shells import Shells
 
 HUGE_M, TINY_M = 20_000.0, 0.05
 """A level whose diagonal is beyond these was hardly modelled in metres."""
@@ -110,7 +110,7 @@ def _about_geometry(scene: Scene, shells: Shells) -> Iterator[str]:
     if not TINY_M < extent < HUGE_M:
         yield f"The level measures {extent:,.4g} m from corner to corner: is it modelled in metres?"
     if not shells.triangles:
-        yield "Nothing casts a shadow: all surfaces are alpha-blended. Every technique will be exact."
+        yield "Nothing casts a shadow, so every technique will be exact."
     elif shells.open:
         yield (
             f"{_share(shells.open, shells.triangles)} of the casting triangles are in open shells. Gnomon's "
@@ -118,7 +118,7 @@ def _about_geometry(scene: Scene, shells: Shells) -> Iterator[str]:
         )
     see_through = sum(mesh.triangle_count for mesh in scene.meshes if not mesh.casts)
     if see_through and shells.triangles:
-        yield f"{counted(see_through, 'triangle')} with alpha blending: they cast no shadow."
+        yield f"{counted(see_through, 'triangle')} that cast no shadow."
     flat = sum(map(_without_area, scene.meshes))
     if flat:
         yield f"{counted(flat, 'triangle')} with two corners in one place: never drawn."
@@ -131,7 +131,10 @@ def _about_lights(scene: Scene) -> Iterator[str]:
     names = Counter(light.name for light in scene.lights)
     shared = sum(count for count in names.values() if count > 1)
     if shared:
-        yield f"Of {counted(shared, 'light')} the name is another's too: address such a light by node:NUMBER."
+        yield (
+            f"Of {counted(shared, 'light')} the name is another's too: address such a light by its number or "
+            "node:NUMBER."
+        )
     dark = [light.name for light in scene.lights if light.intensity <= 0 or not any(light.color)]
     if dark:
         yield f"{counted(len(dark), 'light')} without intensity or with a black color, first {dark[0]!r}."

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from api.added_lights import level_with_lights
 from api.choosing import chosen_cameras, chosen_lights, require_file, require_triangles
 from api.destinations import check_spares_level, check_writable
 from api.pictures import file_word, write_png
@@ -16,7 +17,7 @@ from api.wording import path_words
 from renderers.context import Gpu
 from renderers.registry import technique
 from scenes.errors import DeviceError, GnomonError, LevelError, OutputError
-from scenes.formats.registry import format_of, read_level
+from scenes.formats.registry import format_of
 from scenes.level import Level
 from scenes.level_file import read_level_file
 from scenes.scene import Camera, Light
@@ -39,11 +40,12 @@ class Order:
         settings: Those that differ from the usual ones, as text.
         view: The debug view to show in place of the shaded picture, if any.
         light: Name, number or node; the first where None.
-        camera: Name, number or node; the first, or the first viewpoint, where None.
+        camera: Name, number or node; where None the first that shows what the light lights, else a viewpoint.
         output: The PNG; a name made from all this where None.
         width: Pixels across.
         height: Pixels down.
         device: Index or name; the first that works where None.
+        added_lights: Lights in words, which come after the level's own.
     """
 
     level: Path
@@ -57,6 +59,7 @@ class Order:
     width: int
     height: int
     device: str | None
+    added_lights: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -123,14 +126,14 @@ def rendered(order: Order) -> Rendering:
             where=str(order.output),
             remedy="Choose such a name with -o.",
         )
-    level = read_level(order.level, order.scene)
+    level = level_with_lights(order.level, order.scene, order.added_lights)
     require_triangles(level)
     lights = chosen_lights(level, _one(order.light))
     light = lights[0]
     named = format_of(order.level).companions(read_level_file(order.level), order.level)
     camera = _camera(level, light, order.camera)
     with Gpu(order.device) as gpu:
-        candidate = Candidate.of(method, with_usual(method, asked, light.kind, gpu.device.limits))
+        candidate = Candidate.of(method, with_usual(method, asked, light, level.scene, gpu.device.limits))
         output = order.output or _default_output(level, light, candidate, order.view)
         check_spares_level(output, order.level, named, "-o")
         check_writable(output)
@@ -149,8 +152,7 @@ def _require_no_refusal(gpu: Gpu, subject: Subject) -> None:
     limits, settings = gpu.device.limits, dict(candidate.settings)
     reason = candidate.method.refuses(subject.light, subject.scene, limits, settings)
     if reason is not None:
-        where = f"{candidate.label} for {subject.light.name}"
-        raise GnomonError(f"{candidate.method.label} refuses this light: {reason}.", where=where)
+        raise GnomonError(f"{candidate.label} refuses {subject.light.name or 'this light'}: {reason}.")
 
 
 def _measured(gpu: Gpu, subject: Subject) -> tuple[LightMeasurement, Shown]:

@@ -9,7 +9,7 @@ from api.wording import shortened
 from renderers.context import DeviceLimits
 from renderers.settings import Setting, Settings, check
 from renderers.technique import Technique
-from scenes.scene import LightKind
+from scenes.scene import Light, Scene
 
 USUAL_MAP_SIZE, USUAL_FILTER = 1024, "2x2"
 LONGEST_SHOWN = 60
@@ -33,10 +33,20 @@ def read_settings(method: Technique, texts: Mapping[str, str]) -> Settings:
     return {name: values[name] for name in options if name in values}
 
 
-def with_usual(method: Technique, asked: Settings, kind: LightKind, limits: DeviceLimits) -> Settings:
-    """`asked`, and what is usual where nothing is asked: the candidate nearest to 1024 texels at 2x2."""
-    usual: Settings = min(method.candidates(kind, limits), key=_unusual)
-    return {**usual, **asked}
+def with_usual(
+    method: Technique, asked: Settings, light: Light, scene: Scene, limits: DeviceLimits
+) -> Settings:
+    """`asked`, and what is usual where nothing is asked: the candidate nearest to 1024 texels at 2x2.
+
+    Its map has 1024 texels even where no candidate's has, so that techniques are drawn alike, unless the
+    technique refuses them.
+    """
+    nearest: Settings = min(method.candidates(light.kind, limits), key=_unusual)
+    usual = {**nearest, **asked}
+    if "map_size" not in usual or "map_size" in asked:
+        return usual
+    alike = {**usual, "map_size": USUAL_MAP_SIZE}
+    return usual if method.refuses(light, scene, limits, alike) else alike
 
 
 def _unusual(settings: Settings) -> tuple[float, bool]:

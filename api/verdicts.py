@@ -47,9 +47,9 @@ def shows_shadow_edge(recommendation: Recommendation) -> bool:
     Where none does, the light may as well shine without shadows, unless it is wholly in the dark there, as
     a lamp behind a wall is.
     """
-    return any(
-        view.figures.boundary_px > 0
-        for one in recommendation.measurement.measurements
-        for view in one.views
-        if view.figures
-    )
+    return any(shows_edge(one) for one in recommendation.measurement.measurements)
+
+
+def shows_edge(one: Measurement) -> bool:
+    """Whether any view of a candidate shows the edge of a true shadow."""
+    return any(view.figures.boundary_px > 0 for view in one.views if view.figures)

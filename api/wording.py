@@ -5,10 +5,17 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+KIB, MIB = 1 << 10, 1 << 20
+
 
 def counted(number: int, what: str) -> str:
     """`1 light`, `2 lights`."""
     return f"{number:,} {what}" if number == 1 else f"{number:,} {what}s"
+
+
+def amount(size: int) -> str:
+    """`4.0 MiB`, or `1.5 KiB`; what memory and files take."""
+    return f"{size / MIB:,.1f} MiB" if size >= MIB else f"{size / KIB:,.1f} KiB"
 
 
 def path_words(path: Path) -> str:

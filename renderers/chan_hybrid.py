@@ -38,7 +38,9 @@ OPTIONS: Options = {
         "casters as texels sample them, or a second map that even thin ones cover",
         ("sampled", "covering"),
     ),
-    "grazing": Option(0, "cosine of incidence up to which volumes decide, whatever the map says", (), (0, 1)),
+    "grazing": Option(
+        0.0, "cosine of incidence up to which volumes decide, whatever the map says", (), (0, 1)
+    ),
     "tiles": Option(
         64, "pixels along a tile; volumes are drawn in tiles where they can count", ("off",), (16, 1024)
     ),

@@ -34,7 +34,6 @@ COVER = 0.72
 """How much the picture is covered where more sides overlap than in 95 % of the pixels that have any."""
 MOST_LAYER_ALPHA = 0.3
 NEAR_CAP = 0.14
-UNKNOWN: Color = (70, 70, 70)
 PALE: Color = (214, 214, 208)
 
 
@@ -58,12 +57,10 @@ def silhouette_pixels(frame: Frame, internals: Internals) -> npt.NDArray[np.bool
 def counter_view(frame: Frame, internals: Internals) -> DebugPicture:
     """How many volumes hold each surface: how many triangles that make volumes stand before the light."""
     found, asked = counts(frame, internals), frame.read_domain()
-    zero, bins = UNKNOWN, _bins(0)
     if internals.silhouette_pixels is not None:
         # Elsewhere nobody counts, which is not the same as 0.
         asked = silhouette_pixels(frame, internals)
-        zero, bins = PALE, [(0, 0, PALE, "0")]
-    bins += _bins(int(found[asked].max(initial=0)))
+    bins = [(0, 0, PALE, "0"), *_bins(int(found[asked].max(initial=0)))]
     if wrong := int((found[asked] < 0).sum()):
         bins.append((int(found[asked].min()), -1, ORANGE, f"below 0, wrong: {wrong} px"))
     picture = _faint_outside(frame)
@@ -71,8 +68,8 @@ def counter_view(frame: Frame, internals: Internals) -> DebugPicture:
     for low, high, color, _ in bins:
         here = asked & (found >= low) & (found <= high)
         picture[here] = np.array(color) * lightness[here, None]
-    swatches = [(zero, "0")] + [(color, words) for low, _, color, words in bins if low != 0]
-    legend = Legend(tuple(swatches), unit="volumes that hold a surface")
+    swatches = tuple((color, words) for _, _, color, words in bins)
+    legend = Legend(swatches, unit="volumes that hold a surface")
     return DebugPicture((Panel(picture_of(picture)),), legend)
 
 

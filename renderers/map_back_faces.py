@@ -20,12 +20,29 @@ def back_faces_fall_short(light: Light, scene: Scene) -> str | None:
         count = closure(mesh).open_edges * len(mesh.placements)
         if count:
             return (
-                f'map_faces=back needs closed meshes, but {count:,} edges of "{mesh.name}" lack a face '
+                f'it needs closed meshes, but {count:,} edges of "{mesh.name}" lack a face '
                 "on one side; map_faces=both takes any"
             )
     for mesh in casting:
         if (np.abs(times_around(light, mesh)) >= UNDECIDED).any():
-            return f'map_faces=back needs a light outside, but "{mesh.name}" encloses it'
+            return f'it needs a light outside, but "{mesh.name}" encloses that; map_faces=both takes any'
+    return _enclosing(scene)
+
+
+def _enclosing(scene: Scene) -> str | None:
+    """Why not, where one casting mesh may hold another: inside, only the front of what is around is seen."""
+    boxes = [
+        (mesh, mesh.world_positions().min(axis=(0, 1)), mesh.world_positions().max(axis=(0, 1)))
+        for mesh in scene.meshes
+        if len(mesh.positions)
+    ]
+    for mesh, low, high in boxes:
+        inside = (other for other in boxes if (low < other[1]).all() and (other[2] < high).all())
+        if mesh.casts and (held := next(inside, None)):
+            return (
+                f'it needs receivers outside, but "{mesh.name}" may hold "{held[0].name}"; '
+                "map_faces=both takes any"
+            )
     return None
 
 

@@ -12,7 +12,7 @@ from renderers.context import DEPTH_CLAMP, Released
 from renderers.map_back_faces import mirrors, outward_corners
 from renderers.run_drawer import RunDrawer
 from renderers.world import World
-from scenes.clusters import Runs
+from scenes.clusters import Runs, without
 from scenes.convex import clip_planes
 from scenes.frusta import Reach, boxes_inside
 from scenes.map_frusta import MapFit
@@ -126,7 +126,10 @@ class MapPass:
     def _runs(self, face: Array, within: Reach) -> Runs:
         clusters = self.world.clusters
         kept = within.touches(clusters.low, clusters.high)
-        return clusters.runs(kept & boxes_inside(clip_planes(face), clusters.low, clusters.high))
+        runs = clusters.runs(kept & boxes_inside(clip_planes(face), clusters.low, clusters.high))
+        if not within.has_place:
+            return runs
+        return without(runs, clusters.edge_on(self.world.positions, self.world.triangles, within.centre))
 
     def _draw_face(self, face: Array, index: int, runs: Runs) -> None:
         if not len(runs):

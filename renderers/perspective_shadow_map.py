@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
 from renderers.context import DeviceLimits
-from renderers.frame import Frame
-from renderers.map_settings import MAP_OPTIONS, fits, map_refusal
-from renderers.map_shadow import Fitted, MapShadowPass
-from renderers.settings import Option, Options, Settings, completed
-from renderers.warped_fit import fit_warped
+from renderers.map_settings import MAP_OPTIONS, fits
+from renderers.settings import Option, Options, Settings
+from renderers.warped_fit import FALL_BACK, WarpedShadowMap
 from scenes.convex import Body
 from scenes.perspective_warp import ahead_of, universal_depth, warps, with_depth
-from scenes.scene import Array, Light, LightKind, Scene
+from scenes.scene import Array, LightKind
 from scenes.virtual_camera import virtual_cameras
 from scenes.warped_map import STEEPEST, WIDEST_CONE_RAD, Maps, Sight
 
@@ -25,7 +22,7 @@ SLIDES = np.array([0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0])
 THESIS_INFINITY = 1.5
 
 
-class PerspectiveShadowMap:
+class PerspectiveShadowMap(WarpedShadowMap):
     """A shadow map drawn after the camera's perspective: texels where the eye is near."""
 
     name = "perspective_shadow_map"
@@ -51,12 +48,7 @@ class PerspectiveShadowMap:
             ("fitted", "scene"),
             replay=True,
         ),
-        "fall_back": Option(
-            "auto",
-            "an ordinary map where the warp promises nothing, or only where it cannot be",
-            ("auto", "never"),
-            replay=True,
-        ),
+        "fall_back": FALL_BACK,
     }
 
     def candidates(self, kind: LightKind, limits: DeviceLimits) -> Sequence[Settings]:
@@ -64,50 +56,28 @@ class PerspectiveShadowMap:
         sides = (128, 256, 512, 1024) if kind is LightKind.POINT else (256, 512, 1024, 2048)
         return [{"map_size": side, "filter": "2x2"} for side in sides if fits(side, kind, limits)]
 
-    def refuses(self, light: Light, scene: Scene, limits: DeviceLimits, settings: Settings) -> str | None:
-        """Why not: the map is larger than the device allows."""
-        return map_refusal(light, scene, limits, completed(self.options, settings, self.label))
+    def maps(self, settings: Settings, light: Array, shrink: float, sight: Sight, body: Body) -> Maps:
+        """The maps to choose from: one for each distance that the virtual camera moves back."""
+        corners = ahead_of(light, body.corners)
+        cameras = virtual_cameras(
+            sight.eye_from_scene,
+            corners,
+            _slides(settings, sight, corners),
+            tight=settings["near_far"] == "fitted",
+            clipped=settings["cube_clipping"] == "on",
+        )
+        found = warps(cameras, light, shrink)
+        w = np.einsum("kc,knc->kn", found.rows[:, 2, :3], cameras.corners) + found.rows[:, 2, 3:]
+        usable = (found.half_angles < WIDEST_CONE_RAD) & (w.min(axis=1) > STEEPEST * w.max(axis=1))
 
-    def prepare(self, frame: Frame, light: Light, settings: Settings) -> MapShadowPass:
-        """A map of the size that `settings` ask for."""
-        chosen = completed(self.options, settings, self.label)
+        def finish(index: int) -> Array:
+            rows, corners = found.rows[index], cameras.corners[index]
+            if settings["depth"] == "universal":
+                return with_depth(rows, universal_depth(light, corners), light, corners)
+            inverted = bool(found.inverted[index])
+            return with_depth(rows, found.camera_depths[index], light, corners, inverted=inverted)
 
-        def fitting(frame: Frame) -> Fitted:
-            return fit_warped(frame, chosen, self.name, partial(perspective_maps, chosen))
-
-        return MapShadowPass(frame, light, chosen, fitting, follows_view=True)
-
-
-def perspective_maps(settings: Settings, light: Array, shrink: float, sight: Sight, body: Body) -> Maps:
-    """The maps to choose from: one for each distance that the virtual camera moves back.
-
-    Args:
-        settings: Those of the technique.
-        light: (4,) float64 homogeneous, scene space.
-        shrink: Share of a side that is left between its guard texels.
-        sight: The view.
-        body: The receivers.
-    """
-    corners = ahead_of(light, body.corners)
-    cameras = virtual_cameras(
-        sight.eye_from_scene,
-        corners,
-        _slides(settings, sight, corners),
-        tight=settings["near_far"] == "fitted",
-        clipped=settings["cube_clipping"] == "on",
-    )
-    found = warps(cameras, light, shrink)
-    w = np.einsum("kc,knc->kn", found.rows[:, 2, :3], cameras.corners) + found.rows[:, 2, 3:]
-    usable = (found.half_angles < WIDEST_CONE_RAD) & (w.min(axis=1) > STEEPEST * w.max(axis=1))
-
-    def finish(index: int) -> Array:
-        rows, corners = found.rows[index], cameras.corners[index]
-        if settings["depth"] == "universal":
-            return with_depth(rows, universal_depth(light, corners), light, corners)
-        inverted = bool(found.inverted[index])
-        return with_depth(rows, found.camera_depths[index], light, corners, inverted=inverted)
-
-    return Maps(found.rows, usable, finish)
+        return Maps(found.rows, usable, finish)
 
 
 def _slides(settings: Settings, sight: Sight, corners: Array) -> Array:

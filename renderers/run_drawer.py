@@ -35,6 +35,6 @@ class RunDrawer:
         commands[:, 1] = 1
         commands[:, 2] = 3 * runs[:, 0]
         commands[:, 4] = runs[:, 0]
-        self._commands.orphan()
+        self._commands.orphan(max(self._commands.size, commands.nbytes))
         self._commands.write(commands.tobytes())
         self._vertex_array.render_indirect(self._commands, moderngl.TRIANGLES, count=len(runs))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -9,6 +10,8 @@ from scenes.errors import GnomonError
 
 Setting = str | int | float | bool
 Settings = Mapping[str, Setting]
+# Python would also read 1_0 and the digits of other scripts.
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 
 
 class SettingsError(GnomonError):
@@ -49,6 +52,8 @@ class Option:
             return True
         if self.bounds is None or isinstance(value, (str, bool)):
             return False
+        if isinstance(self.default, int) and not float(value).is_integer():
+            return False
         return self.bounds[0] <= value <= self.bounds[1]
 
     def read(self, text: str) -> Setting | None:
@@ -56,10 +61,9 @@ class Option:
         for choice in self.choices:
             if text.lower() == str(choice).lower():
                 return choice
-        try:
-            number = float(text)
-        except ValueError:
+        if not NUMBER.fullmatch(text):
             return None
+        number = float(text)
         whole = isinstance(self.default, int) or number.is_integer()
         value: Setting = int(number) if whole and number.is_integer() else number
         return value if self.accepts(value) else None

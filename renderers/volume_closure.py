@@ -129,13 +129,13 @@ def lit_faces_fall_short(light: Light, scene: Scene) -> str | None:
         count = sum(closure(mesh).open_edges * len(mesh.placements) for mesh in found)
         others = " and others" if len(found) > 1 else ""
         return (
-            f'variant=crow needs closed meshes, but {count:,} edges, of "{found[0].name}"{others}, '
+            f'it needs closed meshes, but {count:,} edges, of "{found[0].name}"{others}, '
             "lack a face on one side; variant=general takes any"
         )
     for mesh in casting:
         if not _light_is_least_enclosed(light, mesh):
             return (
-                f'variant=crow needs a light outside, but "{mesh.name}" encloses it or faces inwards; '
+                f'it needs a light outside, but "{mesh.name}" encloses it or faces inwards; '
                 "variant=general takes any"
             )
     return None

@@ -12,6 +12,9 @@ from scenes.scene import Array, Positions, Triangles
 Runs = npt.NDArray[np.int64]
 
 FACES_PER_CLUSTER = 64
+# Of the size of a scene and of its distance from zero.
+BESIDE = 1e-3
+ROUNDED = 4e-7
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,34 @@ class Clusters:
         first, stop = self.starts[edges[::2]], self.starts[edges[1::2]]
         return np.stack([first, stop - first], axis=1)
 
+    def edge_on(self, positions: Positions, triangles: Triangles, place: Array) -> npt.NDArray[np.int64]:
+        """Faces beside a light at `place`, (3,) float64, whose planes hold it to within rounding.
+
+        They cast no shadow. Drawn from there, float32 would lift them off the light to one side, and they
+        would cover half of all it lights.
+
+        Args:
+            positions: (v, 3) float32.
+            triangles: (t, 3), in cluster order.
+            place: In the same space.
+        """
+        if not len(self.low):
+            return np.zeros(0, np.int64)
+        extent = float(np.linalg.norm(self.high.max(axis=0) - self.low.min(axis=0)))
+        size = extent + float(np.abs(place).max())
+        margin = BESIDE * size
+        beside = np.all((self.low - margin <= place) & (place <= self.high + margin), axis=1)
+        owner = np.repeat(np.arange(len(self.low)), np.diff(self.starts))
+        faces = np.flatnonzero(np.asarray(beside)[owner])
+        corners = positions[triangles[faces]].astype(np.float64) - place
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        heights = np.abs(np.einsum("ij,ij->i", normals, corners[:, 0]))
+        near = ((corners.min(axis=1) <= BESIDE * size) & (corners.max(axis=1) >= -BESIDE * size)).all(axis=1)
+        found: npt.NDArray[np.int64] = faces[
+            near & (heights <= ROUNDED * size * np.linalg.norm(normals, axis=1))
+        ]
+        return found
+
     def followed_by(self, other: Clusters) -> Clusters:
         """These clusters, and behind them those of `other`, whose triangles come after these."""
         return Clusters(
@@ -59,6 +90,18 @@ class Clusters:
             np.concatenate([self.low, other.low]),
             np.concatenate([self.high, other.high]),
         )
+
+
+def without(runs: Runs, faces: npt.NDArray[np.int64]) -> Runs:
+    """(r, 2) runs of faces, cut around those in `faces`, ascending."""
+    for face in faces:
+        first, stop = runs[:, 0], runs[:, 0] + runs[:, 1]
+        cut = (first <= face) & (face < stop)
+        if cut.any():
+            begin, end = int(first[cut][0]), int(stop[cut][0])
+            pieces = np.array([[begin, face - begin], [face + 1, end - face - 1]], np.int64)
+            runs = np.concatenate([runs[~cut], pieces[pieces[:, 1] > 0]])
+    return runs[np.argsort(runs[:, 0])]
 
 
 def _morton(points: Array) -> npt.NDArray[np.uint64]:

@@ -49,11 +49,13 @@ class Reach:
         planes: (p, 4) float64; a point x is inside where planes @ (x, 1) >= 0.
         centre: (3,) float64, metres; the light's position, or zeros for a directional light.
         range_m: Radius of the ball, `inf` for none.
+        has_place: Whether the light is at `centre`; a directional light is nowhere.
     """
 
     planes: Array
     centre: Array
     range_m: float
+    has_place: bool = True
 
     def touches(self, low: Array, high: Array) -> npt.NDArray[np.bool_]:
         """(n,) bool: whether each box (n, 3) .. (n, 3) may hold a point of the body; never wrongly False."""
@@ -85,7 +87,7 @@ def reach(light: Light, origin: Array) -> Reach:
     """
     centre = np.asarray(light.position, float) - origin
     if light.kind is LightKind.DIRECTIONAL:
-        return Reach(np.zeros((0, 4)), np.zeros(3), float("inf"))
+        return Reach(np.zeros((0, 4)), np.zeros(3), float("inf"), has_place=False)
     if light.kind is LightKind.POINT:
         return Reach(np.zeros((0, 4)), centre, light.range_m)
     right, up, forward = light_axes(light)

@@ -66,7 +66,8 @@ def lit_places(scene: Scene, light: Light, caster: RayCaster) -> list[LitPlace]:
     origins, directions, distance = origins[reached], directions[reached], distance[reached]
     normals = _normals(caster.corners(triangle[reached]))
     incidence = -np.einsum("ij,ij->i", normals, directions)
-    normals *= np.sign(incidence)[:, None]
+    # A face that is struck exactly edge-on keeps a normal too, of either side; it is left out at the end.
+    normals *= np.where(incidence < 0, -1.0, 1.0)[:, None]
     cost = detour[reached] + 1.0 * (np.abs(incidence) < _SQUARELY)
     if light.kind is LightKind.DIRECTIONAL:
         cost += _WALL_DETOUR * (normals[:, 1] < sqrt(0.5))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scenes.convex import Body
+from scenes.convex import NOTHING, Body
 from scenes.frusta import light_axes
 from scenes.scene import Array, Light, LightKind
 
@@ -27,6 +27,8 @@ WIDEST_SINGLE_RAD = np.radians(75.0)
 NARROWEST_RAD = 1e-6
 # Of a window's distance from the axis: receivers on one line still need a map that has an area.
 NARROWEST_WINDOW = 1e-6
+# Of the whole body: a face that shows nothing but the light's own place, rounded, shows nothing.
+POINT_SIZED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,8 @@ def face_bodies(light: Light, centre: Array, body: Body) -> list[Body]:
     """The part of `body` that each face of the light's map shows."""
     if faces_of(light) == 1:
         return [body]
-    return [body.cut(_pyramid(cube_axes(face), centre)) for face in range(6)]
+    parts = [body.cut(_pyramid(cube_axes(face), centre)) for face in range(6)]
+    return [part if _spread(part) > POINT_SIZED * _spread(body) else NOTHING for part in parts]
 
 
 def fit_map(light: Light, centre: Array, body: Body, shrink: float, *, whole: bool = False) -> MapFit:
@@ -93,6 +96,10 @@ def fit_faces(
             slope = 1.0 if six else float(np.tan(max(light.outer_cone_rad, NARROWEST_RAD)))
             faces[face] = _face(axes, centre, receivers, slope, shrink, whole=whole)
     return MapFit(faces)
+
+
+def _spread(body: Body) -> float:
+    return float(np.ptp(body.corners, axis=0).max()) if len(body.corners) else 0.0
 
 
 def _pyramid(axes: Array, centre: Array) -> Array:

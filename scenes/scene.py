@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from functools import cached_property
@@ -35,6 +35,9 @@ class Mobility(StrEnum):
     STATIC = "static"
     DYNAMIC = "dynamic"
 
+
+# World positions that are held at once where all placements are gone through.
+EXPANDED_AT_ONCE = 250_000
 
 # What a rounding to float32 leaves of a unit vector is nearer to length 1 than this.
 _UNIT_TOLERANCE = 1e-6
@@ -66,6 +69,8 @@ class Mesh:
         casts: Whether it casts shadows (alpha-blended surfaces do not).
         base_color: Linear RGB, for pictures only.
         node: Index of the node that places it in the source file, if there is one.
+        promised_closed: Whether the author promises closed geometry: of it alone, or of it and the other
+            meshes of its node together.
     """
 
     name: str
@@ -75,6 +80,7 @@ class Mesh:
     casts: bool = True
     base_color: tuple[float, float, float] = (0.8, 0.8, 0.8)
     node: int | None = None
+    promised_closed: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "positions", frozen_array(self.positions, np.float32, (-1, 3)))
@@ -91,9 +97,7 @@ class Mesh:
 
         Elementwise products and sums in a fixed order: `@` may fuse or reorder them.
         """
-        local = self.positions.astype(np.float64)
-        columns = [self.placements[:, None, :3, axis] * local[None, :, axis, None] for axis in range(3)]
-        return ((columns[0] + columns[1]) + columns[2]) + self.placements[:, None, :3, 3]
+        return _placed(self.positions, self.placements)
 
 
 @dataclass(frozen=True)
@@ -210,27 +214,29 @@ class Scene:
     @cached_property
     def bounds(self) -> Array:
         """(2, 3) float64: lowest and highest world corner of all geometry in metres; zeros without any."""
-        corners = [
-            extreme
-            for mesh in self.meshes
-            if len(mesh.triangles)
-            for world in (mesh.world_positions()[:, np.unique(mesh.triangles)].reshape(-1, 3),)
-            for extreme in (world.min(axis=0), world.max(axis=0))
-        ]
+        corners = [extremes for mesh in self.meshes if mesh.triangle_count for extremes in _extremes(mesh)]
         if not corners:
             return np.zeros((2, 3))
-        return np.stack([np.min(corners, axis=0), np.max(corners, axis=0)])
+        low, high = zip(*corners, strict=True)
+        return np.stack([np.min(low, axis=0), np.max(high, axis=0)])
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of geometry, lights and cameras, the same on every machine. Names do not count."""
-        sha = hashlib.sha256(b"gnomon-scene-1")
+        """SHA-256 of geometry, colors, lights and cameras, the same on every machine. Names do not count.
+
+        One mesh placed twice spells the same as two meshes placed once. What draws nothing does not count.
+        """
+        sha = hashlib.sha256(b"gnomon-scene-2")
+        shapes: dict[tuple[int, int], bytes] = {}
         for mesh in self.meshes:
-            for array, dtype in ((mesh.positions, "<f4"), (mesh.triangles, "<i4"), (mesh.placements, "<f8")):
-                sha.update(str(array.shape).encode())
-                # Adding zero turns -0.0 into 0.0: both spell the same place.
-                sha.update((array + 0).astype(dtype).tobytes())
-            sha.update(_word(mesh.casts))
+            if not mesh.triangle_count:
+                continue
+            key = (id(mesh.positions), id(mesh.triangles))
+            if key not in shapes:
+                shapes[key] = _shape_digest(mesh)
+            surface = b"Mesh\0" + shapes[key] + _word(mesh.casts) + _word(mesh.base_color)
+            for placement in _spelled(mesh.placements, "<f8"):
+                sha.update(surface + placement.tobytes())
         for light in self.lights:
             sha.update(_words(light))
         for camera in self.cameras:
@@ -245,6 +251,36 @@ class Instance:
     scene_digest: str
     light: Light
     view: View
+
+
+def _placed(positions: Positions, placements: Array) -> Array:
+    local = positions.astype(np.float64)
+    columns = [placements[:, None, :3, axis] * local[None, :, axis, None] for axis in range(3)]
+    return ((columns[0] + columns[1]) + columns[2]) + placements[:, None, :3, 3]
+
+
+def _extremes(mesh: Mesh) -> Iterator[tuple[Array, Array]]:
+    """Lowest and highest world corner of some placements after the other, so that few are ever expanded."""
+    drawn = np.zeros(len(mesh.positions), bool)
+    drawn[mesh.triangles.ravel()] = True
+    corners = mesh.positions[drawn]
+    step = max(EXPANDED_AT_ONCE // len(corners), 1)
+    for first in range(0, len(mesh.placements), step):
+        world = _placed(corners, mesh.placements[first : first + step])
+        yield world.min(axis=(0, 1)), world.max(axis=(0, 1))
+
+
+def _shape_digest(mesh: Mesh) -> bytes:
+    sha = hashlib.sha256()
+    for array, dtype in ((mesh.positions, "<f4"), (mesh.triangles, "<i4")):
+        sha.update(str(array.shape).encode())
+        sha.update(_spelled(array, dtype).ravel().data)
+    return sha.digest()
+
+
+def _spelled(array: npt.NDArray[Any], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """A C-contiguous array, little-endian. Adding zero turns -0.0 into 0.0: both spell the same place."""
+    return np.ascontiguousarray(array + 0, dtype=dtype)
 
 
 def _require(thing: Light | Camera, holds: bool, sentence: str) -> None:  # noqa: FBT001

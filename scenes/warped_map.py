@@ -143,7 +143,8 @@ def choose_faces(
     total = sum(weights)
     share = sum(weight for weight, is_warped in zip(weights, warped, strict=True) if is_warped)
     if len(shown) > 1 and not all(warped):
-        note = f"{sum(warped)} of {len(shown)} faces gain from a warp, {share / total:.0%} of the view"
+        helped = f"only {sum(warped)}" if any(warped) else "none"
+        note = f"a warp helps {helped} of {len(shown)} faces ({100 * share / total:.0f} % of the view)"
     return Choice(faces, len(shown), share / total if total else 0.0, note)
 
 

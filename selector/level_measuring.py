@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from renderers.context import DeviceLimits
 from scenes.errors import GnomonError
+from scenes.lit_view import shows_light
 from scenes.ray_caster import RayCaster
 from scenes.scene import Camera, Light, Mobility, Scene
 from scenes.viewpoints import viewpoints
@@ -75,16 +76,21 @@ class Answer:
 def seen_lights(
     scene: Scene, lights: Sequence[Light], cameras: Sequence[Camera] = ()
 ) -> tuple[SeenLight, ...]:
-    """Each light with its views: `cameras`, else the level's own, else four viewpoints made for it.
+    """Each light with its views: `cameras`, else those of the level's own that show what it lights.
 
-    A light has no views where the level has no cameras and the light strikes nothing, or where making
-    viewpoints for it failed.
+    Where none does, four viewpoints are made for the light. It has no views where it strikes nothing, or
+    where making viewpoints for it failed.
     """
-    chosen = tuple(cameras or scene.cameras)
-    if chosen:
-        return tuple(SeenLight(light, chosen) for light in lights)
-    caster = RayCaster(scene, casters_only=False)
-    return tuple(_seen_from_viewpoints(scene, light, caster) for light in lights)
+    if cameras:
+        return tuple(SeenLight(light, tuple(cameras)) for light in lights)
+    surfaces = RayCaster(scene, casters_only=False)
+    casters = RayCaster(scene) if scene.cameras else surfaces
+    return tuple(_seen_light(scene, light, surfaces, casters) for light in lights)
+
+
+def _seen_light(scene: Scene, light: Light, surfaces: RayCaster, casters: RayCaster) -> SeenLight:
+    showing = tuple(one for one in scene.cameras if shows_light(one, light, surfaces, casters))
+    return SeenLight(light, showing) if showing else _seen_from_viewpoints(scene, light, surfaces)
 
 
 def _seen_from_viewpoints(scene: Scene, light: Light, caster: RayCaster) -> SeenLight:

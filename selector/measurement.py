@@ -63,9 +63,11 @@ class ViewRun:
         flip: Mean FLIP of the shaded picture against that of the truth; None where there is none.
         counters: Exact work counts.
         truth: What the mask was compared with.
-        note: What the technique had to say, such as a fall-back.
+        note: What the technique had to say; why it fell back is its measurement's reason, and not said here.
         flicker: Share of co-visible pixels whose error changes from frame to frame of a camera move; None
             where none was made, or no pixel is co-visible.
+        fallback: Id of the technique that was drawn in its place; empty where it was drawn itself. All that
+            is measured here is that one's.
     """
 
     camera: str
@@ -76,6 +78,7 @@ class ViewRun:
     truth: Truth = Truth.SHADOW_VOLUME
     note: str = ""
     flicker: float | None = None
+    fallback: str = ""
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,7 @@ def view_record(view: ViewRun) -> Json:
         "camera": view.camera,
         "truth": str(view.truth),
         "note": view.note,
+        "fallback": view.fallback or None,
         "figures": figures_record(view.figures),
         "flip": view.flip,
         "flicker": view.flicker,

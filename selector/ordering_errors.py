@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from scenes.thesis.set_ups import SetUp, set_ups
 from selector.ordering_contenders import CROW, SV, chan, psm, sm, sm_fit
+from selector.ordering_reasons import share_words
 from selector.ordering_records import Evidence, Finding, settled
 from selector.ordering_results import CLEARLY, Results, UnmeasuredError, less
 from selector.ordering_trials import Contender, Trial
@@ -61,16 +62,17 @@ def thin_objects(results: Results) -> Finding:
     runs = [results.run(Trial(BRACES.name), chan(size)) for size in BRACES.map_sizes]
     lit = [run.error("false_lit") for run in runs]
     words = [
-        f"{run.name}: {100 * share:.3f} % falsely lit, {run.counter('silhouette_pixels'):,} silhouette pixels"
+        f"{run.name}: {share_words(share)} falsely lit, "
+        f"{run.counter('silhouette_pixels'):,} silhouette pixels"
         for run, share in zip(runs, lit, strict=True)
     ]
     faults = [
-        f"{large.name}: {100 * there:.3f} % falsely lit, no less than {small.name}."
+        f"{large.name}: {share_words(there)} falsely lit, no less than {small.name}."
         for (small, here), (large, there) in pairwise(zip(runs, lit, strict=True))
         if not less(there, here)
     ]
     if lit[0] <= EXACT:
-        faults.append(f"{runs[0].name}: {100 * lit[0]:.3f} % falsely lit is nothing dropped.")
+        faults.append(f"{runs[0].name}: {share_words(lit[0])} falsely lit is nothing dropped.")
     return settled([Evidence(BRACES.name, "; ".join(words))], faults)
 
 
@@ -87,17 +89,17 @@ def open_geometry(results: Results) -> Finding:
     shares = [(run.name, run.error("wrong_share")) for pair in maps for run in pair]
     shares += [("Crow's SV", crow.error("wrong_share")), ("general SV against ray casting", worst)]
     shares.append(("Chan on general volumes", hybrid.error("wrong_share")))
-    words = ", ".join(f"{name} {100 * share:.3f} %" for name, share in shares)
+    words = ", ".join(f"{name} {share_words(share)}" for name, share in shares)
     faults = [
         f"{large.name}: what is wrong is not for want of texels, "
-        f"{100 * large.error('wrong_share'):.2f} % after {100 * small.error('wrong_share'):.2f} %."
+        f"{share_words(large.error('wrong_share'))} after {share_words(small.error('wrong_share'))}."
         for small, large in maps
         if not less(large.error("wrong_share"), small.error("wrong_share"), CLEARLY)
     ]
     worst_map = max(small.error("wrong_share") for small, _ in maps)
     if not less(worst_map, crow.error("wrong_share"), CLEARLY):
         faults.append("Crow's SV is not clearly worse than the maps.")
-    faults += [f"{name} is wrong: {100 * share:.3f} %." for name, share in shares[-2:] if share > EXACT]
+    faults += [f"{name} is wrong: {share_words(share)}." for name, share in shares[-2:] if share > EXACT]
     found = settled([Evidence(where.set_up, f"wrong pixels: {words}")], faults)
     return replace(found, reason=f"Of Crow's: {crow.view.note}.") if found.holds and crow.view.note else found
 
@@ -113,7 +115,7 @@ def flicker(results: Results) -> Finding:
     evidence, faults, notes = [], [], []
     for trial in MOVES:
         warped, fitted, *others = (results.run(trial, one) for one in flickering(trial))
-        words = [f"{run.name} {100 * run.error('flicker'):.3f} %" for run in (warped, *others, fitted)]
+        words = [f"{run.name} {share_words(run.error('flicker'))}" for run in (warped, *others, fitted)]
         evidence.append(Evidence(trial.set_up, ", ".join(words)))
         faults += [
             f"{trial.set_up}: {run.name} flickers as well." for run in others if run.error("flicker") > STEADY

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 from selector.ordering_results import Run
+
+SMALL_PERCENT = 0.01
+"""Under this, three digits behind the point are less than two that count."""
 
 _WORK = {
     "map": (("map_texels_cleared", "texels cleared"), ("map_texels_written", "written")),
@@ -35,6 +40,14 @@ def work_words(run: Run) -> str:
         if count
     ]
     return ", ".join(words) or "no work counted"
+
+
+def share_words(share: float) -> str:
+    """`1.822 %`, with two digits that count where it is tiny: only nothing is `0 %`."""
+    percent = 100 * share
+    if not 0 < percent < SMALL_PERCENT:
+        return f"{percent:.3f} %" if percent else "0 %"
+    return f"{percent:.{1 - math.floor(math.log10(percent))}f} %"
 
 
 def amount_words(count: int) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from scenes.thesis.set_ups import set_ups
 from selector.measurement import Status
 from selector.ordering_contenders import psm, psm_unclipped, psm_unslid, sm, sm_fit
-from selector.ordering_reasons import amount_words
+from selector.ordering_reasons import amount_words, share_words
 from selector.ordering_records import Evidence, Finding, settled
 from selector.ordering_results import ABOUT_EQUAL, CLEARLY, Halves, Results, Run, UnmeasuredError, less
 from selector.ordering_trials import Contender, Trial
@@ -38,8 +38,8 @@ def warp_quality(results: Results) -> Finding:
 def _rocks_words(results: Results, name: str) -> str:
     runs = [results.run(Trial(name), one) for one in (SM_ROCKS, FIT_ROCKS, *WARPS)]
     return "; ".join(
-        f"{run.name} {run.error('edge_error_px'):.2f} px (near {100 * _halves(run).near:.2f} %, "
-        f"far {100 * _halves(run).far:.2f} %)"
+        f"{run.name} {run.error('edge_error_px'):.2f} px (near {share_words(_halves(run).near)}, "
+        f"far {share_words(_halves(run).far)})"
         for run in runs
     )
 

@@ -75,7 +75,9 @@ class Runner:
             return None
         figures = error_figures(mask, truth.lit, truth.domain, *truth.joined)
         flip = mean_flip(picture, truth.picture)
-        self.views.append(ViewRun(camera.name, (), figures, flip, counters, truth.source, outcome.note))
+        fallback = "" if outcome.technique == self.candidate.technique else outcome.technique
+        run = ViewRun(camera.name, figures=figures, flip=flip, counters=counters, truth=truth.source)
+        self.views.append(replace(run, note="" if fallback else outcome.note, fallback=fallback))
         self._count_only_as_itself(outcome, camera)
         if self.status is Status.OK and seconds > timeout_s:
             self.status = Status.TIMEOUT
@@ -134,7 +136,8 @@ class Runner:
         if outcome.technique != self.candidate.technique:
             self.status = Status.REFUSED
             other = technique(outcome.technique).label
-            self.reason = f"{outcome.note or 'it gave up'}; {other} was drawn instead in view {camera.name}"
+            why = outcome.note or f"{self.candidate.method.label} gave up"
+            self.reason = f"{other} was drawn in view {camera.name}, because {why}"
 
     @contextmanager
     def _surviving(self, light: Light) -> Iterator[None]:

@@ -42,7 +42,7 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
             "--camera",
             metavar="NAME|INDEX",
             help="Judge only by this camera. May be given again.",
-            show_default="all, or in a level without cameras four viewpoints for each light",
+            show_default="those that show what the light lights, else four viewpoints made for it",
             rich_help_panel=MEASURING,
         ),
     ] = None,
@@ -129,6 +129,7 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
             rich_help_panel=EXTRAS,
         ),
     ] = None,
+    add_light: options.AddedLights = None,
     scene: options.SceneName = None,
     device: options.Device = None,
     *,
@@ -163,10 +164,12 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
 ) -> None:
     """Choose a shadow technique for every light of a level, and write the choices into it.
 
-    Every light is rendered with every candidate technique and setting from every camera. Speed and error
-    are measured, and the cheapest candidate whose shadow's edge is near enough to the truth wins.
+    Every light is rendered with every candidate technique and setting from every camera that shows it.
+    Speed and error are measured, and the cheapest candidate whose shadow's edge is near enough to the truth
+    wins.
 
-    The level itself stays untouched unless --in-place is given.
+    The level itself stays untouched unless --in-place is given. Lights added with --add-light are written
+    beside plain geometry (OBJ, PLY, STL), as NAME.lights.json; other levels hold their lights themselves.
     """
     # OpenGL and images are loaded by the commands that need them, so that --help is there at once.
     from api.annotating import Order, target_of  # noqa: PLC0415
@@ -184,6 +187,8 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
             raise UsageError("--clear needs to know where to write.", remedy="Add --in-place or -o OUT.")
         if light:
             raise UsageError("--clear takes out the annotation of all lights.", remedy="Leave --light out.")
+        if add_light:
+            raise UsageError("--clear measures nothing.", remedy="Leave --add-light out.")
         run_clear(level, target_of(level, output, in_place=in_place), in_place=in_place, as_json=as_json)
         return
     order = Order(
@@ -208,5 +213,6 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
         pictures=pictures,
         measurements=measurements,
         device=device,
+        added_lights=add_light or (),
     )
     run_annotate(order, as_json=as_json)

@@ -111,6 +111,9 @@ def _announce(console: Console, work: Workload) -> None:
         f"in {_range(views, 'view')}, {plan.width}x{plan.height}, {counted(plan.rounds, 'round')}, "
         f"on {work.device.renderer}"
     )
+    if work.lights_file:
+        name = printable(str(work.lights_file), LONGEST_PATH)
+        console.print(Text(f"Wrote {name} with the lights added."), soft_wrap=True)
     console.print(Text(printable(text)), soft_wrap=True)
     print_warnings(console, work.level)
     print_left_behind(console, work.left_behind)
@@ -119,9 +122,10 @@ def _announce(console: Console, work: Workload) -> None:
 def _interrupted(work: Workload, done: int) -> InterruptedRunError:
     order = work.order
     beside = f" Pictures of the lights that were done are in {order.pictures}." if order.pictures else ""
+    lights = f" {work.lights_file} was written before." if work.lights_file else ""
     return InterruptedRunError(
         f"{done} of {counted(len(work.seen), 'light')} were measured; {order.target} was not written.",
-        known=f"{order.level} is untouched.{beside}",
+        known=f"{order.level} is untouched.{lights}{beside}",
     )
 
 

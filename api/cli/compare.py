@@ -39,7 +39,7 @@ def compare(  # noqa: PLR0913, PLR0917  the options of the command line are its 
             "--camera",
             metavar="NAME|INDEX",
             help="Only this camera. May be given again.",
-            show_default="all, or in a level without cameras four viewpoints for each light",
+            show_default="those that show what the light lights, else four viewpoints made for it",
         ),
     ] = None,
     technique: Annotated[
@@ -82,6 +82,7 @@ def compare(  # noqa: PLR0913, PLR0917  the options of the command line are its 
             show_default="what the level says of each light, else dynamic",
         ),
     ] = None,
+    add_light: options.AddedLights = None,
     scene: options.SceneName = None,
     device: options.Device = None,
     *,
@@ -119,5 +120,6 @@ def compare(  # noqa: PLR0913, PLR0917  the options of the command line are its 
             ),
         ),
         device=device,
+        added_lights=add_light or (),
     )
     run_compare(order, as_json=as_json)

@@ -11,8 +11,7 @@ from api.cli.level_warnings import print_warnings
 from api.cli.progress import MeasuringProgress
 from api.cli.terminal import errors, print_json, printable, printable_name, results
 from api.comparing import Order, Workload, comparison, result_record, write_page
-from api.comparison_words import amount
-from api.wording import counted
+from api.wording import amount, counted
 
 LONGEST_PATH = 4096
 

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from api.cli.terminal import printable
 from api.device_list import ListedDevice
+from api.wording import amount
 from renderers.clock import ClockKind
 
 CLOCKS = {
@@ -35,7 +36,7 @@ def print_devices(console: Console, found: Sequence[ListedDevice]) -> None:
             printable(device.gl_version),
             "software" if device.software else "hardware",
             f"{limits.max_texture_side}",
-            f"{limits.max_buffer_bytes >> 20} MiB",
+            amount(limits.max_buffer_bytes),
             CLOCKS[one.clock],
         )
     console.print(table)

@@ -13,10 +13,10 @@ from rich.text import Text
 
 from api.cli.terminal import printable, printable_name
 from api.inspection import Inspection, mesh_count
-from api.shells import Shells
 from api.wording import counted
 from scenes.level import Severity
 from scenes.scene import Camera, Light, LightKind, Mobility
+from scenes.shells import Shells
 
 NOTHING = "-"
 NAME_WIDTH = 12

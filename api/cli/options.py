@@ -161,7 +161,22 @@ def parse_settings(shorthands: Mapping[str, str | None], texts: Sequence[str]) -
 DEFAULT_RESOLUTION = Resolution(640, 360)
 
 Level = Annotated[
-    Path, typer.Argument(metavar="LEVEL", help="The level file: .glb or .gltf.", show_default=False)
+    Path,
+    typer.Argument(
+        metavar="LEVEL",
+        help="The level file: glTF, USD, Quake .map, OBJ, PLY, STL or a lights file.",
+        show_default=False,
+    ),
+]
+AddedLights = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--add-light",
+        metavar="LIGHT",
+        help='One more light, such as "spot position_m=0,3,0 target_m=1,0,2 outer_cone_deg=30 range_m=12". '
+        "May be given again.",
+        show_default=False,
+    ),
 ]
 SceneName = Annotated[
     str | None,

@@ -9,6 +9,7 @@ import typer
 
 from api.cli.annotate import annotate
 from api.cli.compare import compare
+from api.cli.corpus import corpus
 from api.cli.devices import devices
 from api.cli.failures import epilog, failing_cleanly
 from api.cli.help_pages import PlainCommand, PlainGroup, help_text
@@ -25,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (annotate, compare, inspect, render, thesis, devices):
+for command in (annotate, compare, inspect, render, thesis, corpus, devices):
     app.command(
         cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=command in (annotate, compare))
     )(failing_cleanly(command))

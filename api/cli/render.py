@@ -37,7 +37,7 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
             "--camera",
             metavar="NAME|INDEX",
             help="Which camera: its name, its number or node:NUMBER.",
-            show_default="the first, or in a level without cameras the first viewpoint made for the light",
+            show_default="the first that shows what the light lights, else the first viewpoint made for it",
         ),
     ] = None,
     output: Annotated[
@@ -99,6 +99,7 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
             "May be given again.",
         ),
     ] = None,
+    add_light: options.AddedLights = None,
     scene: options.SceneName = None,
     device: options.Device = None,
     *,
@@ -124,6 +125,7 @@ def render(  # noqa: PLR0913, PLR0917  the options of the command line are its a
         width=resolution.width,
         height=resolution.height,
         device=device,
+        added_lights=add_light or (),
     )
     with errors().status("rendering"):
         rendering = rendered(order)

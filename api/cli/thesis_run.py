@@ -28,7 +28,7 @@ def run_thesis(order: Order, *, as_json: bool) -> None:
         print_json(result_record(work))
         return
     console = results()
-    print_findings(console, work.findings())
+    print_findings(console, work.findings(), timed=work.order.thoroughness.rounds > 0)
     print_grades(console, work.grades())
 
 

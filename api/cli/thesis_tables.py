@@ -26,7 +26,7 @@ WIDE = 140
 """Columns from which on evidence and reason fit beside their ordering; narrower, they follow the table."""
 
 
-def print_findings(console: Console, findings: Sequence[tuple[Ordering, Finding]]) -> None:
+def print_findings(console: Console, findings: Sequence[tuple[Ordering, Finding]], *, timed: bool) -> None:
     """One row an ordering: what the thesis says, whether it holds, by which figures, and why not."""
     wide = console.width >= WIDE
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1), collapse_padding=True, show_lines=True, expand=True)
@@ -50,12 +50,13 @@ def print_findings(console: Console, findings: Sequence[tuple[Ordering, Finding]
     counts = Counter(finding.holds for _, finding in findings)
     words = [f"{VERDICTS[holds][0]}: {counts[holds]}" for holds in VERDICTS if counts[holds]]
     console.print(Text(f"{counted(len(findings), 'ordering')}; {', '.join(words)}."))
-    _print_rules(console, [ordering for ordering, _ in findings])
+    _print_rules(console, [ordering for ordering, _ in findings], timed=timed)
 
 
-def _print_rules(console: Console, orderings: Sequence[Ordering]) -> None:
+def _print_rules(console: Console, orderings: Sequence[Ordering], *, timed: bool) -> None:
     console.print()
-    console.print(Text(FASTER, style="dim"))
+    if timed:
+        console.print(Text(FASTER, style="dim"))
     for ordering in orderings:
         console.print(Text(f"{ordering.id} holds if: {ordering.rule}", style="dim"))
 

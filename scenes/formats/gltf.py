@@ -16,7 +16,7 @@ from scenes.gltf.extensions import check_extensions
 from scenes.gltf.geometry import GeometryReader
 from scenes.gltf.lights import read_light
 from scenes.gltf.nodes import choose_scene, walk
-from scenes.gltf.placement import place_meshes
+from scenes.gltf.placement import MeshPlacer
 from scenes.level import Level
 from scenes.level_file import read_level_file
 from scenes.light_annotation import Cleared, LightAnnotation
@@ -29,6 +29,8 @@ MEND = "Mend it in the editor that made the level, and export it again."
 
 def read(path: Path, scene_name: str | None = None) -> Level:
     """The scene of a glTF file, in world space: one mesh per node and primitive, one light per node.
+
+    A node that draws many instances gives meshes with as many placements.
 
     Args:
         path: A .gltf or .glb file.
@@ -98,11 +100,12 @@ def _scene(asset: Asset, path: Path, scene_name: str | None, notes: NoteBook) ->
     nodes = list(walk(asset, chosen))
     refuse_too_much(asset, nodes)
     geometry = GeometryReader(asset, notes)
+    placer = MeshPlacer(asset, geometry, {node.index: node.world for node in nodes}, notes)
     meshes: list[Mesh] = []
     lights: list[Light] = []
     cameras: list[Camera] = []
     for node in nodes:
-        meshes += place_meshes(geometry, node, notes)
+        meshes += placer.meshes(node)
         light, camera = read_light(asset, node, notes), read_camera(asset, node, notes)
         lights += [light] if light is not None else []
         cameras += [camera] if camera is not None else []
@@ -117,7 +120,7 @@ def _judge(asset: Asset, scene: Scene, geometry: GeometryReader, notes: NoteBook
             "All geometry of this level is stored in a way that this version does not read yet.",
             where="meshes",
             known=f"It uses {', '.join(geometry.lost)}.",
-            remedy="Export it plainly: no compression, no sparse accessors, positions in every primitive.",
+            remedy="Export it plainly: no meshopt compression, positions in every primitive.",
         )
     if not scene.triangle_count:
         notes.warning("scene", "This level has no triangles: nothing casts a shadow.")

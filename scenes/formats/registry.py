@@ -167,6 +167,10 @@ def load_formats(folders: Iterable[str], package: str) -> dict[str, AnyFormat]:
                 f"{module.__name__} is no level format: it lacks NAME, SUFFIXES, read(), annotate(),"
                 " read_annotations(), clear() or companions()."
             )
+        if hasattr(module, "LAYER_SUFFIX") and (
+            not isinstance(module, LayeredFormat) or module.LAYER_SUFFIX not in module.SUFFIXES
+        ):
+            raise TypeError(f"{module.__name__} lacks is_layer(), or its LAYER_SUFFIX among its SUFFIXES.")
         for suffix in module.SUFFIXES:
             if suffix in formats:
                 raise TypeError(f"{module.__name__} claims {suffix}, which {formats[suffix].NAME} has.")

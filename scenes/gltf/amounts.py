@@ -9,6 +9,7 @@ from scenes.errors import LevelError
 from scenes.gltf.asset import Asset
 from scenes.gltf.entry import Entry
 from scenes.gltf.geometry import LINES_AND_POINTS, TRIANGLES
+from scenes.gltf.instancing import instance_count
 from scenes.gltf.nodes import PlacedNode
 
 # 16 bytes for each fill a buffer of 128 MiB, as much as Mesa's software driver takes: longer lists do not
@@ -26,7 +27,10 @@ class Amount(NamedTuple):
 
 
 def refuse_too_much(asset: Asset, nodes: Iterable[PlacedNode]) -> None:
-    """Checks what all nodes draw together; every node counts what its mesh holds once more.
+    """Checks what all nodes draw together: for each node and each instance its mesh counts once more.
+
+    What is stored is never more than what is drawn, and instances are not expanded by reading them; but
+    whoever renders the level expands them.
 
     Raises:
         LevelError: They draw more triangles or vertices than this program takes on.
@@ -36,7 +40,7 @@ def refuse_too_much(asset: Asset, nodes: Iterable[PlacedNode]) -> None:
         mesh = node.entry.values.get("mesh")
         # A node with a scale of 0 on all axes is hidden.
         if isinstance(mesh, int) and 0 <= mesh < asset.count("meshes") and node.world[:3, :3].any():
-            uses[mesh] = uses.get(mesh, 0) + 1
+            uses[mesh] = uses.get(mesh, 0) + instance_count(asset, node.entry)
     amounts = {mesh: _stated(asset, mesh) for mesh in uses}
     triangles = sum(amounts[mesh].triangles * count for mesh, count in uses.items())
     vertices = sum(amounts[mesh].vertices * count for mesh, count in uses.items())
@@ -47,11 +51,13 @@ def refuse_too_much(asset: Asset, nodes: Iterable[PlacedNode]) -> None:
         if drawn > limit:
             worst = max(uses, key=lambda mesh: getattr(amounts[mesh], what) * uses[mesh])
             each = getattr(amounts[worst], what)
+            stored = sum(getattr(amount, what) for amount in amounts.values())
             raise LevelError(
                 f"This level draws {drawn:,} {what}; at most {limit:,} are read.",
                 where=asset.entry("meshes", worst, "scene").where,
-                known=f"This mesh alone has {each:,} {what}, and {uses[worst]:,} nodes draw it.",
-                remedy="Split the level, simplify its meshes, or let fewer nodes and primitives share them.",
+                known=f"This mesh alone has {each:,} {what}, and nodes and their instances draw it "
+                f"{uses[worst]:,} times; the file stores {stored:,}.",
+                remedy="Split the level, simplify its meshes, or draw them less often.",
             )
 
 
@@ -70,8 +76,6 @@ def _primitive(asset: Asset, values: dict[str, Any]) -> Amount:
             return Amount(0, 0)
         _, positions = asset.linked(attributes, "POSITION", "accessors")
         order = asset.linked(primitive, "indices", "accessors")[1] if primitive.has("indices") else positions
-        if not (positions.has("bufferView") and order.has("bufferView")):
-            return Amount(0, 0)
         vertices, corners = positions.integer("count"), order.integer("count")
     except LevelError:
         # Its reader refuses it before it reads its data, and names the node that draws it.

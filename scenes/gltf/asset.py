@@ -17,6 +17,7 @@ TABLES = {
     "nodes": "node",
     "meshes": "mesh",
     "materials": "material",
+    "skins": "skin",
     "cameras": "camera",
     "lights": "light",
     "accessors": "accessor",
@@ -53,7 +54,7 @@ class Asset:
         LevelError: A table is not a list.
     """
 
-    def __init__(self, root: Entry, binary: bytes | None, folder: Path) -> None:
+    def __init__(self, root: Entry, binary: bytes | memoryview | None, folder: Path) -> None:
         self.root = root
         self.binary = binary
         self.folder = folder

@@ -50,7 +50,7 @@ class BufferReader:
             )
         return memoryview(content)[:length]
 
-    def _content(self, index: int, buffer: Entry, length: int) -> bytes:
+    def _content(self, index: int, buffer: Entry, length: int) -> bytes | memoryview:
         uri = buffer.text("uri")
         if not uri:
             if index == 0 and self._asset.binary is not None:

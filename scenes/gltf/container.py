@@ -22,12 +22,12 @@ class Container:
 
     Attributes:
         json_text: The JSON chunk, with its padding.
-        binary: The BIN chunk, if there is one.
+        binary: The BIN chunk, if there is one: a view of the file, which is not copied.
         trailing_bytes: Bytes after the length that the header states.
     """
 
     json_text: bytes
-    binary: bytes | None
+    binary: memoryview | None
     trailing_bytes: int = 0
 
 
@@ -55,7 +55,7 @@ def open_container(source: bytes, *, binary_expected: bool) -> Container:
     return Container(source, None)
 
 
-def _binary(json_chunk: JsonChunk) -> bytes | None:
+def _binary(json_chunk: JsonChunk) -> memoryview | None:
     """The first BIN chunk; chunks of other kinds are ignored, as the specification asks."""
     found = None
     offset = json_chunk.end
@@ -63,7 +63,7 @@ def _binary(json_chunk: JsonChunk) -> bytes | None:
     while offset < json_chunk.total:
         kind, end = chunk_at(json_chunk.source, offset, json_chunk.total)
         if kind == BINARY_CHUNK and found is None:
-            found = json_chunk.source[offset + CHUNK.size : end]
+            found = memoryview(json_chunk.source)[offset + CHUNK.size : end]
         offset = end
     return found
 

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from scenes.errors import LevelError
 from scenes.gltf.asset import LIGHTS, Asset, NoteBook
-from scenes.gltf.buffers import has_data
 
 INSTANCING = "EXT_mesh_gpu_instancing"
 DRACO = "KHR_draco_mesh_compression"
 MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 
-READ = (LIGHTS, "KHR_mesh_quantization")
+MANIFOLD = "EXT_mesh_manifold"
+
+READ = (LIGHTS, "KHR_mesh_quantization", INSTANCING, DRACO, MANIFOLD)
 
 # What a level needs that lists the extension, to follow "needs".
-NOT_READ = {
-    INSTANCING: "GPU instancing",
-    DRACO: "Draco decompression",
-    **dict.fromkeys(MESHOPT, "meshopt decompression"),
-}
+NOT_READ = dict.fromkeys(MESHOPT, "meshopt decompression")
 
 # Looks, sounds and metadata: neither geometry, nor lights, nor cameras.
 HARMLESS_PREFIXES = (
@@ -61,25 +58,3 @@ def check_extensions(asset: Asset, notes: NoteBook) -> None:
     for name in dict.fromkeys([*required, *asset.root.texts("extensionsUsed")]):
         if name in APPROXIMATED:
             notes.warning("extensionsUsed", f"{name} is not read: {APPROXIMATED[name]}.")
-
-
-def unread_feature(asset: Asset, accessor_index: int, referrer: str, *, draco: bool) -> str | None:
-    """What keeps an accessor from being read in this version, in words; None where it can be read.
-
-    Args:
-        asset: The file.
-        accessor_index: The accessor.
-        referrer: Who asks for it.
-        draco: Whether its primitive offers Draco data beside the accessors.
-    """
-    accessor = asset.entry("accessors", accessor_index, referrer)
-    if accessor.has("sparse"):
-        return "sparse accessors"
-    if not accessor.has("bufferView"):
-        return f"Draco compression ({DRACO})" if draco else None
-    _, view = asset.linked(accessor, "bufferView", "bufferViews")
-    if any(view.extension(name) for name in MESHOPT) and not has_data(
-        asset, view.integer("buffer"), view.where
-    ):
-        return f"meshopt compression ({MESHOPT[0]})"
-    return None

@@ -76,4 +76,4 @@ def _lying() -> Iterator[Shell]:
 def _around(part: Shell, spoke: Array, radius: float, height: float) -> Shell:
     """The part, its x side along the circle, on one of its spokes."""
     cosine, sine = spoke.tolist()
-    return moved(turned(part, sine, -cosine), (radius * cosine, height, radius * sine))
+    return moved(turned(part, sine, cosine), (radius * cosine, height, radius * sine))

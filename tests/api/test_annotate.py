@@ -187,9 +187,10 @@ def test_many_lights_are_not_all_listed(tmp_path: Path) -> None:
 
 def test_lights_without_a_shadow_in_any_view_are_counted(level: Path, tmp_path: Path) -> None:
     dark = small_level(tmp_path, "one.glb", small_scene((SPOT, named(NOWHERE, "Far"))))
-    lights = answered("annotate", dark, *QUICK)["lights"]
+    # No camera shows what the other lights, so that one has to be named.
+    lights = answered("annotate", dark, *QUICK, "--camera", "Eye")["lights"]
     assert [light["shadow_edge_seen"] for light in lights] == [True, False]
-    result = succeeded("annotate", dark, *QUICK, width=200)
+    result = succeeded("annotate", dark, *QUICK, "--camera", "Eye", width=200)
     assert "1 of 2 lights casts no shadow whose edge any view shows" in result.stdout
     assert "casts no shadow" not in succeeded("annotate", level, *QUICK, width=200).stdout
 

@@ -19,6 +19,7 @@ from renderers.registry import TECHNIQUES
 from scenes.scene import Light, LightKind, Scene
 from tests.api.command import answered, files, gnomon, running, succeeded, wait_for_line
 from tests.small_level import CAMERA, POINT, SPOT, SUN, named, small_level, small_scene
+from tests.solids import floor
 
 SIZE = ("--resolution", "96x64", "--rounds", 1)
 QUICK = (*SIZE, "--light", "Torch", "-t", "SV")
@@ -266,6 +267,16 @@ def test_a_light_without_an_answer_is_on_the_page_and_exit_6(tmp_path: Path) -> 
     page = page_of(tmp_path / "small.compare.html")
     assert "It strikes no surface within its reach" in page.text
     assert len(page.all("section", **{"class": "light"})) == 2
+
+
+def test_a_light_without_a_shadow_edge_has_advice_and_no_plot(tmp_path: Path) -> None:
+    level = small_level(tmp_path, scene=Scene("Bare", (floor(8.0),), (POINT,), (CAMERA,)))
+    succeeded("compare", level, *SIZE, "-t", "SV", "-t", "SM")
+    page = page_of(tmp_path / "small.compare.html")
+    assert not page.all("figure", **{"class": "plot"})
+    assert page.text.count("onsider switching") == 2, "in the table at the top and in the light's text"
+    assert "exact" not in page.text.partition("How this was measured")[0]
+    assert "1 light, drawn with every candidate of SV and SM, timed" in page.text
 
 
 def test_an_earlier_page_is_replaced_and_nothing_else(level: Path, tmp_path: Path) -> None:

@@ -78,7 +78,7 @@ def test_errors_under_a_hundredth_share_the_lane() -> None:
     drawn = plot([point(1, 3.0), point(4, 0.004, "b"), point(9, 0.0, "c")], 1.5)
     assert drawn.lane_words == "< 0.01"
     assert drawn.lane_y < drawn.dots[1].y == drawn.dots[2].y
-    assert plot([point(1, 3.0), point(9, 0.0, "c")], 1.5).lane_words == "0"
+    assert plot([point(1, 3.0), point(9, 0.0, "c")], 1.5).lane_words == "< 0.01"
 
 
 def test_nothing_beats_the_front() -> None:

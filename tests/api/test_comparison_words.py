@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from api.comparison_words import amount, difference, digits, edge_words, light_facts, percent, pixels
+from api.comparison_words import difference, digits, edge_words, light_facts, memory, percent, pixels
 from scenes.scene import Light, LightKind, Mobility
 from selector.recommendation import recommend
 from tests.selector.measurements import SV, figures, light_measurement, measured, shadow_map, view
@@ -36,7 +36,7 @@ def test_units_go_with_their_numbers() -> None:
     )
     assert (percent(0.028), percent(1e-7), percent(0.0), percent(None)) == ("2.80 %", "< 0.001 %", "0 %", "-")
     assert (difference(0.00514), difference(0.0), difference(None)) == ("0.0051", "0", "-")
-    assert (amount(4 << 20), amount(1536), amount(0)) == ("4.0 MiB", "1.5 KiB", "-")
+    assert (memory(4 << 20), memory(1536), memory(0)) == ("4.0 MiB", "1.5 KiB", "-")
 
 
 def test_the_edge_is_said_as_the_choice_weighs_it() -> None:

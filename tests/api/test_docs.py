@@ -12,6 +12,7 @@ from typer.main import get_command
 from api.cli.failures import EXIT_MEANINGS
 from api.cli.program import app
 from scenes.errors import DeviceError, GnomonError, LevelError, OutputError
+from scenes.formats.registry import level_formats
 from tests.api.command import QUICK, answered
 from tests.small_level import small_level
 
@@ -35,7 +36,7 @@ def shown_json(command: str) -> object:
 
 
 def test_every_command_has_a_section() -> None:
-    assert set(COMMANDS) == {"annotate", "compare", "inspect", "render", "thesis", "devices"}
+    assert set(COMMANDS) == {"annotate", "compare", "inspect", "render", "thesis", "devices", "corpus"}
     assert set(COMMANDS) <= set(SECTIONS)
 
 
@@ -58,6 +59,11 @@ def test_every_section_has_an_example(command: str) -> None:
     assert f"\ngnomon {command}" in SECTIONS[command]
 
 
+def test_every_suffix_of_a_level_is_named() -> None:
+    bullet = PAGE[PAGE.index("- **LEVEL**") : PAGE.index("- **Lights and cameras**")]
+    assert [suffix for suffix in level_formats() if f"`{suffix}`" not in bullet] == []
+
+
 def test_every_exit_code_is_in_the_table() -> None:
     codes = [
         *EXIT_MEANINGS,
@@ -76,6 +82,7 @@ def test_the_json_that_is_shown_has_the_keys_that_come_out(command: str, tmp_pat
         "inspect": [level],
         "render": [level, "--resolution", "96x64", "-t", "SV", "-o", tmp_path / "p.png"],
         "thesis": ["--only", "O10", "--no-times", "--resolution", "80x64"],
+        "corpus": [],
         "devices": [],
     }
     assert keys(shown_json(command)) == keys(answered(command, *arguments[command]))

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from api.shells import Shells
 from scenes.scene import Mesh, Scene
+from scenes.shells import Shells
 from tests.api.command import answered, gnomon, started
 from tests.small_level import LEAF, POINT, small_level, small_scene
 from tests.solids import box, floor

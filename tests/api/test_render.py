@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,17 @@ def test_it_renders_the_first_light_from_the_first_camera(level: Path, tmp_path:
     result = gnomon("render", level, *SMALL, "-o", picture, width=160)
     assert result.exit_code == 0
     assert pixels(picture).shape == (64, 96, 3)
-    for words in ("SM 1024 2x2", "shadow_map", "Lamp", "Eye", "dynamic light", "static light", "edge off by"):
+    said = (
+        "SM 1024 2x2",
+        "shadow_map",
+        "Lamp",
+        "Eye",
+        "dynamic light",
+        "static light",
+        "edge off by",
+        "4.0 MiB",
+    )
+    for words in (*said, "map fragments"):
         assert words in result.stdout, words
     assert str(picture) in result.stdout
 
@@ -44,6 +55,39 @@ def test_json_says_what_was_done(level: Path, tmp_path: Path) -> None:
     assert record["memory_bytes"] > 0
     assert {sample["mobility"] for sample in record["samples"]} == {"static", "dynamic"}
     assert record["picture"] == str(picture)
+
+
+def test_the_truth_against_itself_is_exact(level: Path, tmp_path: Path) -> None:
+    said = succeeded("render", level, "-t", "SV", *SMALL, "-o", tmp_path / "p.png", width=160).stdout
+    assert re.search(r"error \(against shadow_volume\) +exact", said)
+    assert "edge off by" not in said
+
+
+@pytest.mark.parametrize("label", ["SM", "PSM", "LiSPSM", "Chan"])
+@pytest.mark.parametrize("light", ["Lamp", "Torch", "Sun"])
+def test_maps_are_alike_unless_somebody_asks(level: Path, tmp_path: Path, label: str, light: str) -> None:
+    picture = tmp_path / "p.png"
+    record = answered("render", level, "-t", label, "--light", light, *SMALL, "-o", picture)
+    assert record["settings"]["map_size"] == 1024
+
+
+def test_what_fell_back_is_said_once_and_the_figures_are_those_of_what_was_drawn(
+    level: Path, tmp_path: Path
+) -> None:
+    order = ("render", level, "-t", "PSM", "--light", "Torch", *SMALL, "-o", tmp_path / "p.png")
+    result = succeeded(*order, width=200)
+    assert re.search(r"fell back +SM was drawn in view Eye, because ", result.stdout)
+    for words in ("; SM was drawn", "--set fall_back=never draws the warp", "error of the SM (against"):
+        assert words in result.stdout, words
+    record = answered(*order)
+    assert (record["status"], record["fallback"], record["note"]) == ("refused", "shadow_map", "")
+    who, _, why = record["reason"].partition(", because ")
+    assert who == "SM was drawn in view Eye"
+    assert why
+    assert result.stdout.count(why) == 1
+    forced = succeeded(*order, "--set", "fall_back=never", width=200).stdout
+    assert "fell back" not in forced
+    assert "--set" not in forced
 
 
 def test_settings_change_the_picture(level: Path, tmp_path: Path) -> None:

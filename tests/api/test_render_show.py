@@ -132,7 +132,7 @@ def test_a_setting_changes_the_picture(level: Path, tmp_path: Path) -> None:
         (("--set", "filter=1x1", "--filter", "2x2"), 2, '"filter" is set twice'),
         (("--set", "filter=1x1", "--set", "filter=1x1"), 2, '"filter" is set twice'),
         (("--set", f"{'x' * 500}=1"), 2, "and 440 more characters"),
-        (("-t", "SV", "--show", "edges", "--set", "variant=crow"), 1, "SV refuses this light"),
+        (("-t", "SV", "--show", "edges", "--set", "variant=crow"), 1, "crow refuses Lamp: it needs closed"),
     ],
     ids=lambda value: "_".join(value)[:40] if isinstance(value, tuple) else "",
 )

@@ -52,6 +52,7 @@ def test_the_table_says_what_holds_and_by_which_rule(width: int) -> None:
     shown = " ".join(result.stdout.split())
     for words in ("O10", "holds", "Tower, thin braces", "silhouette pixels", "1 ordering;", "O10 holds if:"):
         assert words in shown
+    assert "Faster:" not in shown, "nothing is timed"
     assert "Checking 1 ordering by 1 set-up at 80x64, no times" in result.stderr
 
 

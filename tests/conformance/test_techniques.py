@@ -427,6 +427,27 @@ def test_any_camera_is_answered(gpu: Gpu, case: Case, camera: Camera) -> None:
     assert judge(scene, mask, seen, domain, light, camera).wrong.sum() <= max(1, bound * domain.sum())
 
 
+@pytest.mark.parametrize(
+    "place",
+    [(0.5, 1.0, 0.1), (0.5, 0.75, 0.2), (0.5, 0.75, 0.5), (2.0, 0.0, 1.0), (0.0, 1.25, 0.0)],
+    ids=["a face", "an edge", "a corner", "the floor", "the top"],
+)
+@every_kind
+def test_a_light_may_stand_on_what_casts(gpu: Gpu, case: Case, place: tuple[float, float, float]) -> None:
+    """Rounded to float32, a triangle whose plane holds the light must not come to stand before it."""
+    if case.kind is LightKind.DIRECTIONAL:
+        pytest.skip("a directional light stands nowhere")
+    scene = box_over_floor()
+    for direction in ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.36, -0.48, 0.8)):
+        light = Light("lamp", case.kind, place, direction, 0.5, 1.2)
+        skip_if_refused(gpu, case, scene, light)
+        mask, seen, domain = render_mask(gpu, scene, light, CAMERA, SIZE, case.technique.name, case.settings)
+        bound = tolerances.VOLUME_WRONG_SHARE
+        if case.texels is not None:
+            bound += tolerances.SAMPLED_WRONG / case.texels
+        assert judge(scene, mask, seen, domain, light, CAMERA).wrong.sum() <= max(1, bound * domain.sum())
+
+
 def test_names_and_labels_are_distinct_and_found_in_any_case() -> None:
     assert (
         len({known.name for known in TECHNIQUES})

@@ -10,7 +10,7 @@ from renderers.context import Gpu
 from renderers.debug_light import seen_from_light, usual_fit
 from renderers.debug_maps import distances, face_depths, light_place, sampling
 from renderers.debug_views import DEBUG_VIEWS, DebugView
-from renderers.debug_volume_views import EDGE_COLORS, counts, silhouette_pixels
+from renderers.debug_volume_views import EDGE_COLORS, PALE, counter_view, counts, silhouette_pixels
 from renderers.debug_volumes import edge_lines, volume_layers
 from renderers.frame import Frame
 from renderers.internals import Internals
@@ -143,6 +143,23 @@ def test_the_counter_counts_plates_above_a_floor(gpu: Gpu) -> None:
     sure = domain & (np.abs(reach - np.array(HALVES)) > DEBUG_PLATE_EDGE).all(axis=2)
     assert set(expected[sure]) == {0, 1, 2, 3}
     assert (found[sure] == expected[sure]).all()
+
+
+def test_counts_have_the_same_colors_whoever_counts(gpu: Gpu) -> None:
+    scene = Scene("Plate", (floor(5.0), plate(1.5, 2.0)), (NOON,))
+    legends = []
+    for label, asked_for in (("SV", {}), ("Chan", {"map_size": 32})):
+        with rendered(gpu, scene, NOON, label, asked_for, LOW) as (frame, _, internals):
+            asked = frame.read_domain() if label == "SV" else silhouette_pixels(frame, internals)
+            none_counted = asked & (counts(frame, internals) == 0)
+            shown = counter_view(frame, internals)
+        assert none_counted.any()
+        assert shown.panels[0].picture is not None
+        assert shown.panels[0].picture[none_counted].min() > 0.8 * min(PALE)
+        legends.append(shown.legend.swatches)
+    assert legends[0] == legends[1]
+    assert [words for _, words in legends[0]] == ["0", "1"]
+    assert legends[0][0][0] == PALE
 
 
 @pytest.mark.parametrize(("variant", "weight"), [("crow", 1), ("general", 2)])

@@ -5,7 +5,7 @@ import numpy.typing as npt
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenes.clusters import FACES_PER_CLUSTER, Clusters
+from scenes.clusters import FACES_PER_CLUSTER, Clusters, without
 from tests.solids import floor, soup
 
 COUNTS = st.sampled_from([0, 1, FACES_PER_CLUSTER, FACES_PER_CLUSTER + 1, 700])
@@ -55,3 +55,36 @@ def test_triangles_in_one_place_are_clustered_all_the_same() -> None:
     clusters = Clusters.of(np.ones((3, 3), np.float32), np.tile(np.arange(3, dtype=np.int32), (200, 1)))
     assert sorted(clusters.order.tolist()) == list(range(200))
     assert (clusters.low == 1).all()
+
+
+def test_faces_whose_planes_hold_a_light_beside_them_are_edge_on() -> None:
+    corners = np.array(
+        [
+            [[-1, 0, -1], [1, 0, -1], [0, 0, 2]],  # holds the light
+            [[-1, 0.5, -1], [1, 0.5, -1], [0, 0.5, 2]],  # above it
+            [[5, 0, 0], [6, 0, 0], [5, 0, 1]],  # in its plane, far away
+            [[0, 0, 0], [1, 1, 0], [0, 1, 1]],  # has it for a corner
+        ],
+        np.float32,
+    )
+    positions = corners.reshape(-1, 3)
+    triangles = np.arange(12, dtype=np.int32).reshape(-1, 3)
+    clusters = Clusters.of(positions, triangles)
+    ordered = triangles[clusters.order]
+    for place in (np.zeros(3), np.array([1e-7, -1e-7, 1e-7])):
+        found = clusters.edge_on(positions, ordered, place)
+        assert sorted(clusters.order[found]) == [0, 3]
+    assert not len(clusters.edge_on(positions, ordered, np.array([0.0, 0.25, 0.0])))
+    assert not len(Clusters.of(positions, triangles[:0]).edge_on(positions, triangles[:0], np.zeros(3)))
+
+
+@given(st.integers(0, 10**6))
+def test_runs_are_cut_around_single_faces(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    kept = random.random(60) < 0.7
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], kept, [False]]).astype(np.int8)))
+    runs = np.stack([edges[::2], edges[1::2] - edges[::2]], axis=1)
+    taken_out = np.flatnonzero(random.random(60) < 0.2)
+    found = without(runs, taken_out)
+    left = np.concatenate([np.arange(first, first + count) for first, count in found] or [np.zeros(0, int)])
+    assert np.array_equal(left, np.setdiff1d(np.flatnonzero(kept), taken_out))

@@ -5,13 +5,21 @@ from pathlib import Path
 import pytest
 
 from scenes.errors import LevelError
-from scenes.formats.registry import level_formats, load_formats, read_level
+from scenes.formats.registry import (
+    PlacedFormat,
+    annotated_suffix,
+    format_of,
+    level_formats,
+    load_formats,
+    read_level,
+)
 
 # A format module that does nothing, as text.
 NAMED = "NAME = 'USD'\nSUFFIXES = {}\n"
 READS = "def read(path, scene_name=None): ...\n"
 WRITES = "def annotate(source, annotations): ...\ndef clear(source): ...\ndef companions(source, path): ...\n"
 KNOWS = "def read_annotations(source): ...\n"
+LAYERED = "def is_layer(source): ...\n"
 
 
 def test_the_registry_knows_gltf_and_refuses_other_suffixes(tmp_path: Path) -> None:
@@ -31,6 +39,11 @@ def test_the_registry_knows_gltf_and_refuses_other_suffixes(tmp_path: Path) -> N
         (NAMED.format("('.usda',)") + WRITES, TypeError),
         (NAMED.format("('.usda',)") + READS + WRITES, TypeError),
         (NAMED.format("('.usda', '.usda')") + READS + WRITES + KNOWS, TypeError),
+        (NAMED.format("('.usda',)") + READS + WRITES + KNOWS + "LAYER_SUFFIX = '.usda'\n", TypeError),
+        (
+            NAMED.format("('.usda',)") + READS + WRITES + KNOWS + "LAYER_SUFFIX = '.usd'\n" + LAYERED,
+            TypeError,
+        ),
     ],
 )
 def test_a_broken_format_module_fails_loudly(
@@ -52,3 +65,16 @@ def test_a_new_module_in_the_folder_is_a_format(tmp_path: Path, monkeypatch: pyt
     (folder / "usd.py").write_text(NAMED.format("('.usda',)") + READS + WRITES + KNOWS)
     monkeypatch.syspath_prepend(tmp_path)
     assert [found.NAME for found in load_formats([str(folder)], folder.name).values()] == ["USD"]
+
+
+def test_a_layered_format_is_told_where_the_level_is(tmp_path: Path) -> None:
+    placed = format_of(tmp_path / "yard.usdc")
+    assert isinstance(placed, PlacedFormat)
+    assert (placed.NAME, placed.LAYER_SUFFIX) == ("USD", ".usda")
+    assert annotated_suffix(tmp_path / "yard.usdc") == ".usda"
+    assert annotated_suffix(tmp_path / "yard.GLB") == ".GLB"
+    assert annotated_suffix(tmp_path / "yard.blend") == ".blend"
+    assert not isinstance(format_of(tmp_path / "yard.glb"), PlacedFormat)
+    with pytest.raises(LevelError) as caught:
+        placed.clear(b"#usda 1.0\n")
+    assert str(tmp_path / "yard.usdc") in caught.value.where

@@ -12,28 +12,13 @@ from tests.scenes.gltf_samples import (
 )
 
 
-def test_optional_instancing_places_the_mesh_once_with_a_warning(tmp_path: Path) -> None:
-    extension = {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}}
-    level = read(
-        tmp_path,
-        tetrahedron(
-            nodes=[{"mesh": 0, "name": "Grass", "extensions": extension}],
-            extensionsUsed=["EXT_mesh_gpu_instancing"],
-        ),
-    )
-    assert level.scene.triangle_count == 4
-    assert 'warning node 0 "Grass": GPU instancing' in notes_of(level)
-
-
 def compressed(kind: str) -> dict:
     """The tetrahedron, and beside it the same again in a form that is not read."""
     source = tetrahedron()
     second = {"attributes": {"POSITION": 2}, "indices": 1}
     source["meshes"][0]["primitives"].append(second)
     source["accessors"].append({"componentType": 5126, "type": "VEC3", "count": 4})
-    if kind == "sparse":
-        source["accessors"][2] |= {"bufferView": 0, "sparse": {"count": 1}}
-    elif kind == "Draco":
+    if kind == "Draco":
         second["extensions"] = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}}
     elif kind == "meshopt":
         source["buffers"].append(
@@ -49,8 +34,6 @@ def compressed(kind: str) -> dict:
 @pytest.mark.parametrize(
     ("kind", "named"),
     [
-        ("sparse", "sparse accessors"),
-        ("Draco", "KHR_draco_mesh_compression"),
         ("meshopt", "EXT_meshopt_compression"),
         ("empty", "accessors without data"),
     ],
@@ -80,8 +63,6 @@ def test_uncompressed_fallbacks_of_optional_compression_are_read(tmp_path: Path,
 @pytest.mark.parametrize(
     ("extension", "need"),
     [
-        ("KHR_draco_mesh_compression", "Draco decompression"),
-        ("EXT_mesh_gpu_instancing", "GPU instancing"),
         ("EXT_meshopt_compression", "meshopt decompression"),
         ("KHR_meshopt_compression", "meshopt decompression"),
     ],
@@ -103,6 +84,9 @@ def test_required_extensions_that_hold_geometry_are_refused_by_name(
         ("KHR_node_visibility", "warning"),
         ("KHR_lights_punctual", None),
         ("KHR_mesh_quantization", None),
+        ("EXT_mesh_gpu_instancing", None),
+        ("KHR_draco_mesh_compression", None),
+        ("EXT_mesh_manifold", None),
     ],
 )
 def test_required_extensions_that_hold_no_geometry_are_noted(

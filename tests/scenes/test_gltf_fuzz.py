@@ -34,24 +34,35 @@ def rich_level() -> tuple[Json, bytes]:
     primitives = [
         {"attributes": {"POSITION": 0}, "indices": 1, "material": 0},
         {"attributes": {"POSITION": 2}, "indices": 1, "mode": 5, "material": 1, "targets": [{"POSITION": 0}]},
+        {"attributes": {"POSITION": 7}, "indices": 1},
         {"attributes": {"POSITION": 0}, "mode": 6, "extensions": {"KHR_draco_mesh_compression": {}}},
     ]
+    instances = {"TRANSLATION": 3, "ROTATION": 4}
+    promise = {"manifoldPrimitive": {"indices": 1, "attributes": {"POSITION": 0}}}
     pose = [0.0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1]
     source = document(
         CORNERS,
         TETRAHEDRON.ravel(),
         CORNERS.astype(np.int16),
+        CORNERS[:3] * 7,
+        np.array([[0, 0, 0, 1], [0, 0.6, 0, 0.8], [1, 0, 0, 0]], np.float32),
+        np.array([1, 3], np.uint8),
+        CORNERS[2:] + 1,
         scene=0,
         scenes=[{"nodes": [0, 4], "name": "main"}, {"nodes": [4]}],
         nodes=[
             {"children": [1, 2, 3], "translation": [1, 2, 3], "name": "root"},
             {"mesh": 0, "rotation": [0, 0.6, 0, 0.8], "scale": [1, -2, 3], "skin": 0},
             carrying(0, matrix=pose, extras={"gnomon_mobility": "static"}),
-            {"camera": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}},
+            {"camera": 0, "mesh": 1, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": instances}}},
             carrying(1, children=[5]),
-            carrying(2, mesh=0),
+            carrying(2, mesh=0, weights=[0.5]),
         ],
-        meshes=[{"primitives": primitives, "name": "box"}],
+        meshes=[
+            {"primitives": primitives, "name": "box", "weights": [0.0]},
+            {"primitives": primitives[:1], "extensions": {"EXT_mesh_manifold": promise}},
+        ],
+        skins=[{"joints": [5, 4]}],
         materials=[{"alphaMode": "MASK"}, {"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0, 1]}}],
         cameras=[{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}],
         animations=[{}],
@@ -70,6 +81,8 @@ def rich_level() -> tuple[Json, bytes]:
     source["bufferViews"][0] |= {"byteLength": packed.size, "byteStride": 20}
     source["accessors"][0]["byteOffset"] = 4
     source["accessors"][2]["normalized"] = True
+    sparse = {"count": 2, "indices": {"bufferView": 5, "componentType": 5121}, "values": {"bufferView": 6}}
+    source["accessors"].append({"componentType": 5126, "type": "VEC3", "count": 4, "sparse": sparse})
     return source, packed.tobytes()
 
 

@@ -33,17 +33,26 @@ def drawn_by(count: int) -> Json:
 @pytest.mark.parametrize(
     ("source", "known"),
     [
-        (stating(3 * 8_000_001, 4), ("8,000,001 triangles", "8,000,001 triangles, and 1 nodes")),
-        (stating(30_000, 4, **drawn_by(801)), ("8,010,000 triangles", "10,000 triangles, and 801 nodes")),
+        (
+            stating(3 * 8_000_001, 4),
+            ("8,000,001 triangles", "8,000,001 triangles, and nodes and their instances draw it 1 times"),
+        ),
+        (
+            stating(30_000, 4, **drawn_by(801)),
+            ("8,010,000 triangles", "instances draw it 801 times; the file stores 10,000"),
+        ),
         (
             stating(
                 300_000,
                 4,
                 meshes=[{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": 5}] * 200}],
             ),
-            ("59,999,600 triangles", "59,999,600 triangles, and 1 nodes"),
+            ("59,999,600 triangles", "59,999,600 triangles, and nodes and their instances draw it 1 times"),
         ),
-        (stating(3, 24_000_001), ("24,000,001 vertices", "24,000,001 vertices, and 1 nodes")),
+        (
+            stating(3, 24_000_001),
+            ("24,000,001 vertices", "instances draw it 1 times; the file stores 24,000,001"),
+        ),
     ],
 )
 def test_more_is_refused_before_any_of_it_is_read(

@@ -99,6 +99,24 @@ def test_packed_float_positions_are_not_copied_and_are_read_only(tmp_path: Path)
     assert not mesh.triangles.flags.writeable
 
 
+def test_the_binary_chunk_and_packed_wide_indices_are_not_copied(tmp_path: Path) -> None:
+    source, binary = glb_source()
+    source["accessors"][1]["componentType"] = 5125
+    source["buffers"][0]["byteLength"] = 96
+    source["bufferViews"][1]["byteLength"] = 48
+    content = glb(source, binary[:48] + TETRAHEDRON.astype("<u4").tobytes())
+    mesh = only_mesh(read(tmp_path, content))
+    np.testing.assert_array_equal(mesh.triangles, TETRAHEDRON)
+    owners = set()
+    for array in (mesh.positions, mesh.triangles):
+        base: object = array
+        while isinstance(base, np.ndarray):
+            base = base.base
+        assert base == content
+        owners.add(id(base))
+    assert len(owners) == 1
+
+
 def orientation(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     a, b, c = (positions[triangles[:, corner]].astype(float) for corner in range(3))
     return np.sign(np.cross(b - a, c - a)[:, 2])
@@ -341,14 +359,6 @@ def test_materials(tmp_path: Path) -> None:
     assert level.scene.meshes[0].base_color == (0.25, 0.5, 0.75)
     assert 'warning material 1 "Leaves": alphaMode MASK' in notes_of(level)
     assert 'warning material 2 "Glass": alphaMode BLEND' in notes_of(level)
-
-
-def test_skins_and_morph_targets_are_read_at_rest_with_notes(tmp_path: Path) -> None:
-    mesh = {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "targets": [{"POSITION": 0}]}]}
-    level = read(tmp_path, tetrahedron(meshes=[mesh], nodes=[{"mesh": 0, "skin": 0, "name": "Fox"}]))
-    np.testing.assert_array_equal(only_mesh(level).positions, CORNERS)
-    assert 'warning node 0 "Fox": Skinned' in notes_of(level)
-    assert "mesh 0, primitive 0: Morph targets" in notes_of(level)
 
 
 def test_a_node_scaled_to_nothing_hides_its_mesh(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scenes import scene as scene_module
 from scenes.scene import Camera, Light, LightKind, Mesh, Mobility, Scene
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 0.1, 0], [0, 0, -3]], np.float32)
@@ -31,18 +32,28 @@ def small_scene() -> Scene:
 
 
 def test_the_digest_is_the_same_on_every_machine() -> None:
-    assert small_scene().digest == "8e7f578b32394de8994d7e39fd41dbabbfd079a158d24811623ab77fcea6aa53"
+    assert small_scene().digest == "c367a48e73c7d8cf737cd0de9dfd2866bb9d2df69c8593357ef6c0f9ec869a61"
 
 
 def test_names_and_nodes_do_not_change_the_digest() -> None:
     scene = small_scene()
     renamed = Scene(
         "other",
-        tuple(replace(mesh, name="x", node=None) for mesh in scene.meshes),
+        tuple(replace(mesh, name="x", node=None, promised_closed=True) for mesh in scene.meshes),
         tuple(replace(light, name="y", node=99) for light in scene.lights),
         tuple(replace(camera, name="z", node=None) for camera in scene.cameras),
     )
     assert renamed.digest == scene.digest
+
+
+def test_a_mesh_placed_twice_has_the_digest_of_two_meshes_placed_once() -> None:
+    scene = small_scene()
+    twice, other = scene.meshes
+    apart = [replace(twice, placements=placement[None], node=None) for placement in twice.placements]
+    assert replace(scene, meshes=(*apart, other)).digest == scene.digest
+    assert replace(scene, meshes=(apart[0], other, apart[1])).digest != scene.digest
+    nothing = (replace(twice, triangles=TRIANGLES[:0]), replace(twice, placements=np.zeros((0, 4, 4))))
+    assert replace(scene, meshes=(*scene.meshes, *nothing)).digest == scene.digest
 
 
 def test_negative_zero_is_zero() -> None:
@@ -135,6 +146,7 @@ CHANGES = {
     "a placement": with_mesh(placements=np.stack([np.eye(4), np.diag([1, 1, math.nextafter(1, 2), 1])])),
     "the number of placements": with_mesh(placements=np.eye(4)[None]),
     "casting": with_mesh(casts=False),
+    "a surface's colour": with_mesh(base_color=(0.8, 0.8, 0.7)),
     "the order of meshes": lambda scene: replace(scene, meshes=scene.meshes[::-1]),
     "a light's position": with_light(position=(math.nextafter(0.1, 1), 2.0, 3.0)),
     "a light's kind": with_light(kind=LightKind.POINT),
@@ -206,6 +218,20 @@ def test_bounds_hold_all_placements_of_drawn_vertices_only() -> None:
     scene = Scene("s", (Mesh("a", stray, TRIANGLES, placed), Mesh("dust", stray, np.zeros((0, 3)))))
     np.testing.assert_array_equal(scene.bounds, [[0, 0, -3], [11, np.float32(0.1), 0]])
     np.testing.assert_array_equal(Scene("empty", ()).bounds, np.zeros((2, 3)))
+    unplaced = Mesh("a", CORNERS, TRIANGLES, np.zeros((0, 4, 4)))
+    np.testing.assert_array_equal(Scene("unplaced", (unplaced,)).bounds, np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize("at_once", [1, 5, 8, 10_000])
+def test_bounds_of_many_placements_are_those_of_all_expanded(
+    monkeypatch: pytest.MonkeyPatch, at_once: int
+) -> None:
+    monkeypatch.setattr(scene_module, "EXPANDED_AT_ONCE", at_once)
+    placements = np.tile(np.eye(4), (9, 1, 1))
+    placements[:, :3, :] += np.sin(np.arange(9 * 12)).reshape(9, 3, 4)
+    mesh = Mesh("many", CORNERS, TRIANGLES, placements)
+    drawn = mesh.world_positions()[:, np.unique(TRIANGLES)].reshape(-1, 3)
+    np.testing.assert_array_equal(Scene("s", (mesh,)).bounds, [drawn.min(axis=0), drawn.max(axis=0)])
 
 
 def test_lights_as_homogeneous_points() -> None:

@@ -223,7 +223,9 @@ def test_what_falls_back_is_not_counted_as_itself(
     # The canary draws a shadow map too, and asks for nothing but its time.
     found = by_candidate(measure(SMALL))
     assert found[SMALL].status is Status.REFUSED
-    assert found[SMALL].reason == "the light is behind the camera; SV was drawn instead in view Eye"
+    assert found[SMALL].reason == "SV was drawn in view Eye, because the light is behind the camera"
+    (view,) = found[SMALL].views
+    assert (view.fallback, view.note) == ("shadow_volume", "")
 
 
 @contextmanager

@@ -159,5 +159,5 @@ def test_what_falls_back_in_motion_is_not_counted_as_itself(
     monkeypatch.setattr(MapShadowPass, "render", gives_up)
     found = measure(FITTED)
     assert found[FITTED].status is Status.REFUSED
-    assert found[FITTED].reason == ("the light came into view; SV was drawn instead in view Eye, frame 3")
+    assert found[FITTED].reason == "SV was drawn in view Eye, frame 3, because the light came into view"
     assert found[FITTED].views[0].flicker is None

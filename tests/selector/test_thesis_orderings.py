@@ -321,6 +321,8 @@ def test_thin_objects_come_back_as_the_map_grows() -> None:
     assert lost(lambda size: 5.0 / size).holds is True
     assert lost(lambda _: 0.02).reason.startswith("Chan 512: 2.000 % falsely lit, no less than Chan 256.")
     assert "nothing dropped" in lost(lambda size: 0.1 / size).reason
+    assert "Chan 256: 0.00037 % falsely lit is nothing dropped." in lost(lambda _: 3.66e-6).reason
+    assert "Chan 256: 0 % falsely lit is nothing dropped." in lost(lambda _: 0.0).reason
 
 
 def tree(**wrong: float) -> Description:
