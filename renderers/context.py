@@ -76,7 +76,9 @@ class Gpu:
     def __init__(self, device: str | int | None = None) -> None:
         self.ctx, self.device = _open(device)
         GL.glClipControl(GL.GL_LOWER_LEFT, GL.GL_ZERO_TO_ONE)
-        self.ctx.gc_mode = "auto"
+        # Objects that Python collects wait until this context is surely current: names of objects are small
+        # numbers in every context, and one that is deleted late would take another context's with it.
+        self.ctx.gc_mode = "context_gc"
         self._cache: dict[object, Any] = {}
         self._parked = self.ctx.simple_framebuffer((1, 1))
 
@@ -109,6 +111,11 @@ class Gpu:
         self._parked.use()
         for resource in owned:
             resource.release()
+        # moderngl's own gc() stumbles over what was released before Python collected it.
+        while self.ctx.objects:
+            collected = self.ctx.objects.popleft()
+            if hasattr(collected, "release"):
+                collected.release()
 
     def check(self, where: str) -> None:
         """Raise a `GlError` if GL has recorded an error since the last check."""
