@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import cast
 
 import moderngl
@@ -88,9 +89,8 @@ class MapPass:
         slope, units = self.offset
         # Away from the light, which in reversed depth is down.
         ctx.polygon_offset = (-slope, -units)
-        for index, face in enumerate(fit.faces):
-            if face.any():
-                self._draw_face(face, index, self._runs(face, within))
+        for index, runs in self._runs(fit, within):
+            self._draw_face(fit.faces[index], index, runs)
         ctx.polygon_offset = (0.0, 0.0)
         ctx.disable_direct(DEPTH_CLAMP)
         ctx.enable_only(moderngl.NOTHING)
@@ -114,7 +114,7 @@ class MapPass:
 
     def triangles(self, fit: MapFit, within: Reach) -> int:
         """Triangles drawn into the faces of `fit`."""
-        return sum(int(self._runs(face, within)[:, 1].sum()) for face in fit.faces if face.any())
+        return sum(int(runs[:, 1].sum()) for _, runs in self._runs(fit, within))
 
     def texels(self, fit: MapFit, within: Reach) -> int:
         """Texels written, overdraw included."""
@@ -123,13 +123,17 @@ class MapPass:
             self.draw(fit, within)
         return int(query.samples)
 
-    def _runs(self, face: Array, within: Reach) -> Runs:
-        clusters = self.world.clusters
+    def _runs(self, fit: MapFit, within: Reach) -> Iterator[tuple[int, Runs]]:
+        """Each face that shows anything, with the casters that it may show."""
+        world, clusters = self.world, self.world.clusters
         kept = within.touches(clusters.low, clusters.high)
-        runs = clusters.runs(kept & boxes_inside(clip_planes(face), clusters.low, clusters.high))
-        if not within.has_place:
-            return runs
-        return without(runs, clusters.edge_on(self.world.positions, self.world.triangles, within.centre))
+        edge_on = np.zeros(0, np.int64)
+        if within.has_place:
+            edge_on = clusters.edge_on(world.positions, world.triangles, within.centre)
+        for index, face in enumerate(fit.faces):
+            if face.any():
+                seen = kept & boxes_inside(clip_planes(face), clusters.low, clusters.high)
+                yield index, without(clusters.runs(seen), edge_on)
 
     def _draw_face(self, face: Array, index: int, runs: Runs) -> None:
         if not len(runs):

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from scenes.scene import Array, Positions, Triangles
 
+Faces = npt.NDArray[np.int64]
 Runs = npt.NDArray[np.int64]
 
 FACES_PER_CLUSTER = 64
@@ -28,8 +29,8 @@ class Clusters:
         high: (c, 3) float64 highest corner.
     """
 
-    order: npt.NDArray[np.int64]
-    starts: npt.NDArray[np.int64]
+    order: Faces
+    starts: Faces
     low: Array
     high: Array
 
@@ -54,7 +55,7 @@ class Clusters:
         first, stop = self.starts[edges[::2]], self.starts[edges[1::2]]
         return np.stack([first, stop - first], axis=1)
 
-    def edge_on(self, positions: Positions, triangles: Triangles, place: Array) -> npt.NDArray[np.int64]:
+    def edge_on(self, positions: Positions, triangles: Triangles, place: Array) -> Faces:
         """Faces beside a light at `place`, (3,) float64, whose planes hold it to within rounding.
 
         They cast no shadow. Drawn from there, float32 would lift them off the light to one side, and they
@@ -67,19 +68,15 @@ class Clusters:
         """
         if not len(self.low):
             return np.zeros(0, np.int64)
-        extent = float(np.linalg.norm(self.high.max(axis=0) - self.low.min(axis=0)))
-        size = extent + float(np.abs(place).max())
+        size = float(np.linalg.norm(self.high.max(axis=0) - self.low.min(axis=0)) + np.abs(place).max())
         margin = BESIDE * size
-        beside = np.all((self.low - margin <= place) & (place <= self.high + margin), axis=1)
-        owner = np.repeat(np.arange(len(self.low)), np.diff(self.starts))
-        faces = np.flatnonzero(np.asarray(beside)[owner])
+        beside = ((self.low - margin <= place) & (place <= self.high + margin)).all(axis=1)
+        faces = _members(self.runs(np.asarray(beside)))
         corners = positions[triangles[faces]].astype(np.float64) - place
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         heights = np.abs(np.einsum("ij,ij->i", normals, corners[:, 0]))
-        near = ((corners.min(axis=1) <= BESIDE * size) & (corners.max(axis=1) >= -BESIDE * size)).all(axis=1)
-        found: npt.NDArray[np.int64] = faces[
-            near & (heights <= ROUNDED * size * np.linalg.norm(normals, axis=1))
-        ]
+        near = ((corners.min(axis=1) <= margin) & (corners.max(axis=1) >= -margin)).all(axis=1)
+        found: Faces = faces[near & (heights <= ROUNDED * size * np.linalg.norm(normals, axis=1))]
         return found
 
     def followed_by(self, other: Clusters) -> Clusters:
@@ -92,16 +89,21 @@ class Clusters:
         )
 
 
-def without(runs: Runs, faces: npt.NDArray[np.int64]) -> Runs:
-    """(r, 2) runs of faces, cut around those in `faces`, ascending."""
-    for face in faces:
-        first, stop = runs[:, 0], runs[:, 0] + runs[:, 1]
-        cut = (first <= face) & (face < stop)
-        if cut.any():
-            begin, end = int(first[cut][0]), int(stop[cut][0])
-            pieces = np.array([[begin, face - begin], [face + 1, end - face - 1]], np.int64)
-            runs = np.concatenate([runs[~cut], pieces[pieces[:, 1] > 0]])
-    return runs[np.argsort(runs[:, 0])]
+def without(runs: Runs, faces: Faces) -> Runs:
+    """(r, 2) runs of faces, ascending, cut around those in `faces`."""
+    if not len(faces):
+        return runs
+    left = np.setdiff1d(_members(runs), faces, assume_unique=True)
+    starts = np.flatnonzero(np.diff(left, prepend=-2) != 1)
+    return np.stack([left[starts], np.diff(np.append(starts, len(left)))], axis=1)
+
+
+def _members(runs: Runs) -> Faces:
+    """(n,) int64: every face of (r, 2) runs."""
+    first, counts = runs[:, 0], runs[:, 1]
+    ends = np.cumsum(counts)
+    members: Faces = np.arange(ends[-1] if len(ends) else 0) + np.repeat(first - (ends - counts), counts)
+    return members
 
 
 def _morton(points: Array) -> npt.NDArray[np.uint64]:

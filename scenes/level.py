@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
@@ -29,6 +29,21 @@ class Note:
     severity: Severity
     where: str
     text: str
+
+
+@dataclass
+class NoteBook:
+    """The notes of one reading, each said once, in the order in which they came up."""
+
+    notes: dict[Note, None] = field(default_factory=dict)
+
+    def info(self, where: str, text: str) -> None:
+        """Notes what changes neither picture nor measurement."""
+        self.notes[Note(Severity.INFO, where, text)] = None
+
+    def warning(self, where: str, text: str) -> None:
+        """Notes what may change the picture or the measurement."""
+        self.notes[Note(Severity.WARNING, where, text)] = None
 
 
 @dataclass(frozen=True)

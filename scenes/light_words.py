@@ -8,9 +8,9 @@ import shlex
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
-from scenes.gltf.entry import Entry
+from scenes.level import NoteBook
 from scenes.plain.entries import read_light, refuse_unknown
 from scenes.scene import Light, LightKind
 

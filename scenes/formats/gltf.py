@@ -9,7 +9,7 @@ from scenes.errors import LevelError
 from scenes.gltf import annotation
 from scenes.gltf import companions as named_files
 from scenes.gltf.amounts import refuse_too_much
-from scenes.gltf.asset import Asset, NoteBook
+from scenes.gltf.asset import Asset
 from scenes.gltf.cameras import read_camera
 from scenes.gltf.container import open_container, parse_json
 from scenes.gltf.extensions import check_extensions
@@ -17,7 +17,7 @@ from scenes.gltf.geometry import GeometryReader
 from scenes.gltf.lights import read_light
 from scenes.gltf.nodes import choose_scene, walk
 from scenes.gltf.placement import MeshPlacer
-from scenes.level import Level
+from scenes.level import Level, NoteBook
 from scenes.level_file import read_level_file
 from scenes.light_annotation import Cleared, LightAnnotation
 from scenes.scene import Camera, Light, Mesh, Scene

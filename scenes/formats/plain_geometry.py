@@ -12,8 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
-from scenes.level import Level
+from scenes.level import Level, NoteBook
 from scenes.level_file import read_level_file
 from scenes.light_annotation import Cleared, LightAnnotation
 from scenes.plain import annotation

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
-from scenes.level import Level
+from scenes.level import Level, NoteBook
 from scenes.level_file import read_level_file
 from scenes.light_annotation import Cleared, LightAnnotation
 from scenes.quake import annotation

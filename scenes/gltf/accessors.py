@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.asset import Asset
-from scenes.gltf.entry import Entry
 from scenes.gltf.sparse import INDEX_COMPONENTS, substituted
 from scenes.gltf.views import COMPONENTS, Shape, UnreadError, ViewReader
 from scenes.scene import Positions

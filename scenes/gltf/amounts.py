@@ -5,18 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.asset import Asset
-from scenes.gltf.entry import Entry
 from scenes.gltf.geometry import LINES_AND_POINTS, TRIANGLES
 from scenes.gltf.instancing import instance_count
 from scenes.gltf.nodes import PlacedNode
-
-# 16 bytes for each fill a buffer of 128 MiB, as much as Mesa's software driver takes: longer lists do not
-# fit into it.
-MOST_TRIANGLES = 8_000_000
-# As many as so many triangles have that share none.
-MOST_VERTICES = 3 * MOST_TRIANGLES
+from scenes.magnitudes import MOST_TRIANGLES, MOST_VERTICES
 
 
 class Amount(NamedTuple):

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from scenes.gltf.annotation_edits import declaration, node_edits, removals
 from scenes.gltf.annotation_record import GltfFile, MarkedNode, decoded, marked_nodes, opened
 from scenes.gltf.json_chunk import padded
-from scenes.gltf.json_splice import RawJson, spliced
+from scenes.json_splice import RawJson, spliced
 from scenes.light_annotation import OWN_KEYS, Cleared, LightAnnotation, Scalar
 
 _RESERVED = frozenset({"original", "withheldExtras"})

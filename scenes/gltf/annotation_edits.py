@@ -8,7 +8,7 @@ from typing import Any
 
 from scenes.errors import LevelError
 from scenes.gltf.annotation_record import EXTENSION, GltfFile, MarkedNode
-from scenes.gltf.json_splice import Edit, Item, RawJson, Span
+from scenes.json_splice import Edit, Item, RawJson, Span
 from scenes.light_annotation import Scalar
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from scenes.gltf.json_chunk import PADDING, JsonChunk, find_json
-from scenes.gltf.json_splice import Item, RawJson, Span
+from scenes.json_splice import Item, RawJson, Span
 from scenes.light_annotation import MOBILITY_KEY, OWN_KEYS
 
 EXTENSION = "GNOMON_lights_shadow_technique"

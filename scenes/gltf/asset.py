@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.entry import Entry
-from scenes.level import Note, Severity
 
 LIGHTS = "KHR_lights_punctual"
 
@@ -25,21 +23,6 @@ TABLES = {
     "buffers": "buffer",
     "animations": "animation",
 }
-
-
-@dataclass
-class NoteBook:
-    """The notes of one reading, each said once, in the order in which they came up."""
-
-    notes: dict[Note, None] = field(default_factory=dict)
-
-    def info(self, where: str, text: str) -> None:
-        """Notes what changes neither picture nor measurement."""
-        self.notes[Note(Severity.INFO, where, text)] = None
-
-    def warning(self, where: str, text: str) -> None:
-        """Notes what may change the picture or the measurement."""
-        self.notes[Note(Severity.WARNING, where, text)] = None
 
 
 class Asset:

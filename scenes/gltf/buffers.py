@@ -10,10 +10,10 @@ import binascii
 from pathlib import Path
 from urllib.parse import unquote_to_bytes
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.asset import Asset
 from scenes.gltf.companions import local_path
-from scenes.gltf.entry import Entry
 from scenes.level_file import read_level_file
 
 # As many as a GLB can hold.

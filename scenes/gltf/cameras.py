@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.asset import Asset, NoteBook
-from scenes.gltf.entry import Entry
-from scenes.gltf.magnitudes import require_divisor, require_near
+from scenes.gltf.asset import Asset
 from scenes.gltf.nodes import PlacedNode
-from scenes.gltf.transforms import unit, upright, vector
+from scenes.level import NoteBook
+from scenes.magnitudes import require_divisor, require_near
 from scenes.scene import Camera
+from scenes.vectors import unit, upright, vector
 
 
 def read_camera(asset: Asset, node: PlacedNode, notes: NoteBook) -> Camera | None:

@@ -11,8 +11,8 @@ import sys
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
+from scenes.entry import Entry, printable
 from scenes.errors import LevelError
-from scenes.gltf.entry import Entry, printable
 from scenes.gltf.json_chunk import BINARY_CHUNK, CHUNK, MAGIC, PADDING, JsonChunk, chunk_at, find_json
 
 

@@ -16,9 +16,9 @@ from typing import IO
 import numpy as np
 import numpy.typing as npt
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf import draco_process
-from scenes.gltf.entry import Entry
 from scenes.gltf.extensions import DRACO
 from scenes.gltf.views import ViewReader
 

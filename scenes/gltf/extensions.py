@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import LIGHTS, Asset, NoteBook
+from scenes.gltf.asset import LIGHTS, Asset
+from scenes.level import NoteBook
 
 INSTANCING = "EXT_mesh_gpu_instancing"
 DRACO = "KHR_draco_mesh_compression"

@@ -10,16 +10,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.accessors import AccessorReader, finite_positions, known_vertices
-from scenes.gltf.asset import Asset, NoteBook
+from scenes.gltf.asset import Asset
 from scenes.gltf.draco import DracoReader
-from scenes.gltf.entry import Entry
 from scenes.gltf.extensions import DRACO
 from scenes.gltf.manifold import promises_closed
 from scenes.gltf.materials import Surface, read_surface
 from scenes.gltf.morphing import Weights, default_weights, morphed
 from scenes.gltf.views import UnreadError
+from scenes.level import NoteBook
 from scenes.scene import Positions, Triangles
 
 TRIANGLES, STRIP, FAN = 4, 5, 6

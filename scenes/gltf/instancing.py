@@ -11,13 +11,14 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.accessors import AccessorReader
-from scenes.gltf.asset import Asset, NoteBook
-from scenes.gltf.entry import Entry
+from scenes.gltf.asset import Asset
 from scenes.gltf.extensions import INSTANCING
 from scenes.gltf.nodes import PlacedNode
 from scenes.gltf.transforms import all_composed, all_flat, rotations
+from scenes.level import NoteBook
 from scenes.scene import Array
 
 BYTE, SHORT = 5120, 5122

@@ -11,14 +11,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from scenes.entry import Entry, printable
 from scenes.errors import LevelError
-from scenes.gltf.asset import LIGHTS, Asset, NoteBook
-from scenes.gltf.entry import Entry, printable
-from scenes.gltf.magnitudes import require_divisor, require_moderate, require_near
+from scenes.gltf.asset import LIGHTS, Asset
 from scenes.gltf.nodes import PlacedNode
-from scenes.gltf.transforms import Vector, unit, vector
+from scenes.level import NoteBook
 from scenes.light_annotation import MOBILITY_KEY
+from scenes.magnitudes import require_divisor, require_moderate, require_near
 from scenes.scene import Light, LightKind, Mobility
+from scenes.vectors import Vector, unit, vector
 
 RIGHT_ANGLE = math.pi / 2
 

@@ -6,10 +6,11 @@ vertices are merged that stand in the same place.
 
 from __future__ import annotations
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.asset import Asset, NoteBook
-from scenes.gltf.entry import Entry
+from scenes.gltf.asset import Asset
 from scenes.gltf.extensions import MANIFOLD
+from scenes.level import NoteBook
 
 TRIANGLES = 4
 

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scenes.gltf.asset import Asset, NoteBook
-from scenes.gltf.entry import Entry
+from scenes.entry import Entry
+from scenes.gltf.asset import Asset
+from scenes.level import NoteBook
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.accessors import AccessorReader, finite_positions
-from scenes.gltf.asset import Asset, NoteBook
-from scenes.gltf.entry import Entry
+from scenes.gltf.asset import Asset
+from scenes.level import NoteBook
 from scenes.scene import Positions
 
 Weights = tuple[float, ...]

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.asset import Asset, NoteBook
-from scenes.gltf.entry import Entry
+from scenes.gltf.asset import Asset
 from scenes.gltf.transforms import composed, local_matrix
+from scenes.level import NoteBook
 from scenes.scene import Array
 
 SHOWN_OF_A_CYCLE = 8

@@ -8,14 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import Asset, NoteBook
+from scenes.gltf.asset import Asset
 from scenes.gltf.extensions import INSTANCING
 from scenes.gltf.geometry import GeometryReader
 from scenes.gltf.instancing import instance_placements
-from scenes.gltf.magnitudes import LARGEST
 from scenes.gltf.nodes import PlacedNode
 from scenes.gltf.skins import bind_pose
 from scenes.gltf.transforms import is_flat
+from scenes.level import NoteBook
+from scenes.magnitudes import LARGEST
 from scenes.scene import Array, Mesh
 
 

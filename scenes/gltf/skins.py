@@ -11,10 +11,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.accessors import AccessorReader
 from scenes.gltf.asset import Asset
-from scenes.gltf.entry import Entry
 from scenes.gltf.transforms import composed
 from scenes.scene import Array
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.entry import Entry
 from scenes.gltf.views import COMPONENTS, Shape, ViewReader
 
 INDEX_COMPONENTS = (5121, 5123, 5125)

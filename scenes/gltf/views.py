@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.asset import Asset
 from scenes.gltf.buffers import BufferReader, has_data
-from scenes.gltf.entry import Entry
 from scenes.gltf.extensions import MESHOPT
 
 # componentType -> little-endian numpy type.

@@ -16,9 +16,10 @@ import numpy.typing as npt
 from scenes.atomic_file import write_atomically
 from scenes.gltf.asset import LIGHTS
 from scenes.gltf.json_chunk import BINARY_CHUNK, CHUNK, HEADER, JSON_CHUNK, MAGIC
-from scenes.gltf.transforms import IDENTITY, Vector, unit, upright
+from scenes.gltf.transforms import IDENTITY
 from scenes.light_annotation import MOBILITY_KEY
 from scenes.scene import Array, Camera, Light, LightKind, Mesh, Mobility, Scene
+from scenes.vectors import Vector, unit, upright
 
 Json = dict[str, Any]
 

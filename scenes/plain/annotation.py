@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from scenes.errors import LevelError
-from scenes.gltf.json_splice import Edit, Item, RawJson, Span, spliced
+from scenes.json_splice import Edit, Item, RawJson, Span, spliced
 from scenes.light_annotation import OWN_KEYS, Cleared, LightAnnotation, Scalar
 from scenes.plain.entries import STORY
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
-from scenes.gltf.entry import Entry
-from scenes.gltf.magnitudes import require_divisor, require_moderate, require_near
-from scenes.gltf.transforms import Vector, unit, upright
+from scenes.level import NoteBook
 from scenes.light_annotation import OWN_KEYS
+from scenes.magnitudes import require_divisor, require_moderate, require_near
 from scenes.scene import Camera, Light, LightKind, Mobility
+from scenes.vectors import Vector, unit, upright
 
 STORY = "gnomon"
 # What is printed beside a light and says nothing of it, and what an annotation writes.

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from scenes.errors import LevelError
-from scenes.gltf.amounts import MOST_TRIANGLES
-from scenes.gltf.asset import NoteBook
-from scenes.gltf.magnitudes import LARGEST
+from scenes.level import NoteBook
+from scenes.magnitudes import LARGEST, MOST_TRIANGLES
 from scenes.plain.lights_file import is_lights_file
 from scenes.scene import Array, Mesh, Triangles
 

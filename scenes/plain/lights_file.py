@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
 from scenes.gltf.companions import SCHEME
-from scenes.gltf.entry import Entry
-from scenes.gltf.json_splice import RawJson
-from scenes.gltf.magnitudes import require_divisor
+from scenes.json_splice import RawJson
+from scenes.level import NoteBook
+from scenes.magnitudes import require_divisor
 from scenes.plain.entries import read_camera, read_light
 from scenes.scene import Camera, Light
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from scenes.errors import LevelError
-from scenes.gltf.json_splice import Edit, spliced
+from scenes.json_splice import Edit, spliced
 from scenes.light_annotation import OWN_KEYS, Cleared, LightAnnotation
 from scenes.quake.annotation_text import OWN_PAIRS, comment_text, is_ours, pair_text, scalars, story
 from scenes.quake.map_parser import parse_map

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from scenes.gltf.asset import NoteBook
-from scenes.gltf.transforms import Vector, upright
+from scenes.level import NoteBook
 from scenes.quake.map_text import Entity
 from scenes.quake.units import heading, place
 from scenes.quake.values import number, numbers
 from scenes.scene import Camera
+from scenes.vectors import Vector, upright
 
 EYE_HEIGHT_UNITS = 22.0
 MOST_CAMERAS = 4

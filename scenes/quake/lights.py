@@ -10,13 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from scenes.gltf.asset import NoteBook
-from scenes.gltf.transforms import Vector, unit
+from scenes.level import NoteBook
 from scenes.light_annotation import MOBILITY_KEY
 from scenes.quake.map_text import Entity
 from scenes.quake.units import UNITS_PER_M, heading, place
 from scenes.quake.values import number, numbers
 from scenes.scene import Light, LightKind, Mobility
+from scenes.vectors import Vector, unit
 
 DEFAULT_LIGHT = 300.0
 DEFAULT_CONE_DEG = 40.0

@@ -7,8 +7,8 @@ from collections import Counter
 import numpy as np
 
 from scenes.errors import LevelError
-from scenes.gltf.amounts import MOST_TRIANGLES
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
+from scenes.magnitudes import MOST_TRIANGLES
 from scenes.quake.brushes import MOST_SIDES, Polygons, polygons
 from scenes.quake.map_text import Entity, Indices, MapText
 from scenes.quake.textures import COLORS, CUT_OUT_SIGN, BrushKind, brush_kind, short_name

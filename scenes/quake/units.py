@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from scenes.gltf.transforms import Vector, unit, vector
 from scenes.scene import Array
+from scenes.vectors import Vector, unit, vector
 
 UNITS_PER_M = 32.0
 _GRID = 2.0**40

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 
-from scenes.gltf.asset import NoteBook
-from scenes.gltf.magnitudes import LARGEST, SMALLEST_DIVISOR
-from scenes.gltf.transforms import unit, upright, vector
+from scenes.level import NoteBook
+from scenes.magnitudes import LARGEST, SMALLEST_DIVISOR
 from scenes.scene import Array, Camera
 from scenes.usd.values import Prim, number, path_of, value
+from scenes.vectors import unit, upright, vector
 
 
 def read_camera(

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from pxr import UsdGeom
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
 from scenes.scene import Positions, Triangles
 from scenes.usd.values import MEND, Prim, array, path_of, value
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from pxr import UsdGeom
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
 from scenes.scene import Array
 from scenes.usd.values import FIRST_TIME, Prim, array, path_of
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
 from scenes.scene import Array
 from scenes.usd.values import Prim, path_of
 from scenes.usd.walk import Edge, Forest, Item, Kind, product

@@ -20,7 +20,7 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
 from scenes.light_annotation import OWN_KEYS, Cleared, LightAnnotation, Scalar
 from scenes.usd.diagnostics import quiet
 from scenes.usd.lamps import Lamp, lamps

@@ -16,11 +16,11 @@ from typing import Any
 from pxr import UsdLux
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
-from scenes.gltf.magnitudes import LARGEST
-from scenes.gltf.transforms import Vector, unit, vector
+from scenes.level import NoteBook
+from scenes.magnitudes import LARGEST
 from scenes.scene import Array, Light, LightKind, Mobility
 from scenes.usd.values import Prim, color, number, path_of, value, wrong
+from scenes.vectors import Vector, unit, vector
 
 # A flat lamp shines with the cosine of the angle: 17 % are left at 80 degrees, and a single map covers that.
 FLAT_CONE_RAD = math.radians(80.0)

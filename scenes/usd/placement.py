@@ -11,16 +11,15 @@ import numpy.typing as npt
 from pxr import UsdGeom
 
 from scenes.errors import LevelError
-from scenes.gltf.amounts import MOST_TRIANGLES, MOST_VERTICES
-from scenes.gltf.asset import NoteBook
-from scenes.gltf.magnitudes import LARGEST
-from scenes.gltf.transforms import FLAT_VOLUME
+from scenes.level import NoteBook
+from scenes.magnitudes import LARGEST, MOST_TRIANGLES, MOST_VERTICES
 from scenes.scene import Array, Mesh
 from scenes.usd.geometry import Faces, read_mesh
 from scenes.usd.shapes import read_shape
 from scenes.usd.surfaces import SurfaceReader
 from scenes.usd.values import path_of, value
 from scenes.usd.walk import Edge, Forest, Item, Kind, product
+from scenes.vectors import FLAT_VOLUME
 
 
 class _Drawn(NamedTuple):

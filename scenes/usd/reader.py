@@ -8,8 +8,7 @@ import numpy as np
 from pxr import UsdGeom, UsdLux
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
-from scenes.level import Note
+from scenes.level import Note, NoteBook
 from scenes.scene import Array, Camera, Light, Scene
 from scenes.usd.cameras import read_camera
 from scenes.usd.diagnostics import quiet

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from pxr import UsdGeom
 
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
 from scenes.scene import Array
 from scenes.solids import Shell, box, cards
 from scenes.usd.geometry import Faces

@@ -16,7 +16,7 @@ import numpy as np
 from pxr import Pcp, Sdf, Usd, UsdGeom, UsdUtils
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
 from scenes.level_file import read_level_file
 from scenes.scene import Array
 

@@ -13,7 +13,7 @@ import numpy as np
 from pxr import UsdGeom, UsdShade
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
 from scenes.scene import Triangles
 from scenes.usd.geometry import Faces, Flags
 from scenes.usd.values import MEND, Prim, array, path_of, value

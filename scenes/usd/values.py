@@ -13,7 +13,7 @@ import numpy.typing as npt
 from pxr import Usd
 
 from scenes.errors import LevelError
-from scenes.gltf.magnitudes import LARGEST
+from scenes.magnitudes import LARGEST
 from scenes.scene import Array
 
 Prim = Any

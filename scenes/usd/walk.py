@@ -15,7 +15,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
 from scenes.errors import LevelError
-from scenes.gltf.asset import NoteBook
+from scenes.level import NoteBook
 from scenes.scene import Array
 from scenes.usd.instancer import read_instancer
 from scenes.usd.values import FIRST_TIME, Prim, matrix, path_of, value

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from scenes.errors import LevelError
 from scenes.formats.registry import read_level
-from scenes.gltf.magnitudes import LARGEST
+from scenes.magnitudes import LARGEST
 from tests.scenes.gltf_samples import CORNERS, TETRAHEDRON, Json, carrying, document, glb
 
 # The same examples in every test run: a fuzzer that finds something new on a Friday breaks somebody else's

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scenes.errors import LevelError
-from scenes.gltf.json_splice import Edit, Item, RawJson, Span, spliced
+from scenes.json_splice import Edit, Item, RawJson, Span, spliced
 from tests.scenes.gltf_texts import NAMES, SCALARS, containers, gltf_texts, objects, values
 
 

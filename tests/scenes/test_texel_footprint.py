@@ -52,17 +52,24 @@ def test_it_is_the_longest_image_of_a_texel_by_differences(seed: int) -> None:
     across = np.cross(normal, [0.3, 0.5, 0.81])
     across /= np.linalg.norm(across)
     along = np.cross(normal, across)
-    angles = np.linspace(0, np.pi, 20_001)
-    # A thousandth of a texel in every direction along the surface: pixels over texels, the largest.
-    steps = 1e-6 * (np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * along)
 
-    def moved(matrix: Array, half: Array) -> Array:
+    def moved(matrix: Array, half: Array, steps: Array) -> Array:
         q = np.vstack([np.zeros(3), steps]) @ matrix[:, :3].T + matrix[:, 3]
         places = q[:, :2] / q[:, 2:] * half
         distance: Array = np.linalg.norm(places[1:] - places[0], axis=1)
         return distance
 
-    ratio = (moved(clip[[0, 1, 3]], np.array(SIZE) / 2) / moved(rows, np.array([256.0, 256]))).max()
+    def ratios(angles: Array) -> Array:
+        """A thousandth of a texel in each direction along the surface: pixels over texels."""
+        steps = 1e-6 * (np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * along)
+        pixels = moved(clip[[0, 1, 3]], np.array(SIZE) / 2, steps)
+        ratio: Array = pixels / moved(rows, np.array([256.0, 256]), steps)
+        return ratio
+
+    angles = np.linspace(0, np.pi, 20_001)
+    # On a surface that the light grazes the peak is narrower than a step.
+    best = angles[np.argmax(ratios(angles))]
+    ratio = ratios(best + np.linspace(-1, 1, 20_001) * (angles[1] - angles[0])).max()
     assert found == pytest.approx(ratio, rel=tolerances.FOOTPRINT_DIFFERENCES)
 
 

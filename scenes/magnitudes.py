@@ -1,15 +1,21 @@
-"""How great and how small the numbers of a level may be."""
+"""How much a level may draw, and how great and how small its numbers may be."""
 
 from __future__ import annotations
 
+from scenes.entry import Entry
 from scenes.errors import LevelError
-from scenes.gltf.entry import Entry
-from scenes.gltf.transforms import Vector
+from scenes.vectors import Vector
 
 # The GPU knows numbers up to 3.4e38: what is smaller by 1e8 survives sums and products with matrices.
 LARGEST = 1e30
 # What is divided by: its inverse is as great.
 SMALLEST_DIVISOR = 1 / LARGEST
+
+# 16 bytes for each fill a buffer of 128 MiB, as much as Mesa's software driver takes: longer lists do not
+# fit into it.
+MOST_TRIANGLES = 8_000_000
+# As many as so many triangles have that share none.
+MOST_VERTICES = 3 * MOST_TRIANGLES
 
 
 def require_moderate(entry: Entry, key: str, *values: float) -> None:
