@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
+from api.cli import measuring_options as measuring
 from api.cli import options
 
-OUTPUTS, MEASURING, EXTRAS = "Where the result goes", "What is measured", "More to look at"
-MOBILITIES = "static", "dynamic"
+OUTPUTS, EXTRAS = "Where the result goes", "More to look at"
 
 
 def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
@@ -26,78 +26,13 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
             rich_help_panel=OUTPUTS,
         ),
     ] = None,
-    light: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--light",
-            metavar="NAME|INDEX",
-            help="Only this light: its name, its number or node:NUMBER. May be given again.",
-            show_default="all",
-            rich_help_panel=MEASURING,
-        ),
-    ] = None,
-    camera: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--camera",
-            metavar="NAME|INDEX",
-            help="Judge only by this camera. May be given again.",
-            show_default="those that show what the light lights, else four viewpoints made for it",
-            rich_help_panel=MEASURING,
-        ),
-    ] = None,
-    max_edge_error_px: Annotated[
-        float,
-        typer.Option(
-            "--max-edge-error-px",
-            metavar="PX",
-            parser=options.parse_pixels,
-            help="How far the edge of a shadow may be off, in pixels. The cheapest candidate within it wins.",
-            rich_help_panel=MEASURING,
-        ),
-    ] = 1.5,
-    techniques: Annotated[
-        str | None,
-        typer.Option(
-            "--techniques",
-            metavar="SM,SV",
-            help="The techniques to choose from.",
-            show_default="all",
-            rich_help_panel=MEASURING,
-        ),
-    ] = None,
-    resolution: Annotated[
-        options.Resolution,
-        typer.Option(
-            "--resolution",
-            metavar="WxH",
-            parser=options.parse_resolution,
-            help="Pixels across and down of each view.",
-            rich_help_panel=MEASURING,
-        ),
-    ] = options.DEFAULT_RESOLUTION,
-    rounds: Annotated[
-        int,
-        typer.Option(
-            "--rounds",
-            metavar="N",
-            parser=options.whole_number(1, 1000),
-            help="How often every candidate is timed.",
-            rich_help_panel=MEASURING,
-        ),
-    ] = 3,
-    mobility: Annotated[
-        str | None,
-        typer.Option(
-            "--mobility",
-            metavar="static|dynamic",
-            parser=options.one_of(*MOBILITIES),
-            autocompletion=options.completing(*MOBILITIES),
-            help="Whether lights stand still, so that their maps are kept.",
-            show_default="what the level says of each light, else dynamic",
-            rich_help_panel=MEASURING,
-        ),
-    ] = None,
+    light: Annotated[list[str] | None, measuring.lights("all")] = None,
+    camera: measuring.Cameras = None,
+    technique: measuring.Techniques = None,
+    max_edge_error_px: measuring.MaxEdgeError = measuring.DEFAULT_MAX_EDGE_ERROR_PX,
+    resolution: measuring.Size = options.DEFAULT_RESOLUTION,
+    rounds: measuring.Rounds = measuring.DEFAULT_ROUNDS,
+    mobility: measuring.Mobility = None,
     mode: Annotated[
         str,
         typer.Option(
@@ -106,7 +41,7 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
             parser=options.one_of("measure"),
             autocompletion=options.completing("measure"),
             help="How answers are found: measure renders every candidate.",
-            rich_help_panel=MEASURING,
+            rich_help_panel=measuring.PANEL,
         ),
     ] = "measure",
     pictures: Annotated[
@@ -152,14 +87,7 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
             rich_help_panel=EXTRAS,
         ),
     ] = False,
-    flicker: Annotated[
-        bool,
-        typer.Option(
-            "--flicker",
-            help="Move each camera a little and measure how much errors flicker; --json tells it.",
-            rich_help_panel=EXTRAS,
-        ),
-    ] = False,
+    flicker: measuring.Flicker = False,
     as_json: options.AsJson = False,
 ) -> None:
     """Choose a shadow technique for every light of a level, and write the choices into it.
@@ -200,7 +128,7 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
         cameras=camera or (),
         request=Request(
             max_edge_error_px=max_edge_error_px,
-            techniques=options.parse_names(techniques),
+            techniques=tuple(technique or ()),
             mobility=Mobility(mobility) if mobility else None,
             plan=Plan(
                 resolution.width,

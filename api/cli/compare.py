@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
+from api.cli import measuring_options as measuring
 from api.cli import options
-
-MOBILITIES = "static", "dynamic"
 
 
 def compare(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
@@ -24,72 +23,18 @@ def compare(  # noqa: PLR0913, PLR0917  the options of the command line are its 
             show_default="NAME.compare.html beside the level",
         ),
     ] = None,
-    light: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--light",
-            metavar="NAME|INDEX",
-            help="Only this light: its name, its number or node:NUMBER. May be given again.",
-            show_default="the first 8",
-        ),
-    ] = None,
-    camera: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--camera",
-            metavar="NAME|INDEX",
-            help="Only this camera. May be given again.",
-            show_default="those that show what the light lights, else four viewpoints made for it",
-        ),
-    ] = None,
-    technique: Annotated[
-        list[str] | None,
-        typer.Option(
-            "-t",
-            "--technique",
-            metavar="NAME",
-            help="Only this technique, by label or id. May be given again.",
-            show_default="all",
-        ),
-    ] = None,
-    max_edge_error_px: Annotated[
-        float,
-        typer.Option(
-            "--max-edge-error-px",
-            metavar="PX",
-            parser=options.parse_pixels,
-            help="How far the edge of a shadow may be off, in pixels. The cheapest candidate within it wins.",
-        ),
-    ] = 1.5,
-    resolution: options.Size = options.DEFAULT_RESOLUTION,
-    rounds: Annotated[
-        int,
-        typer.Option(
-            "--rounds",
-            metavar="N",
-            parser=options.whole_number(1, 1000),
-            help="How often every candidate is timed.",
-        ),
-    ] = 3,
-    mobility: Annotated[
-        str | None,
-        typer.Option(
-            "--mobility",
-            metavar="static|dynamic",
-            parser=options.one_of(*MOBILITIES),
-            autocompletion=options.completing(*MOBILITIES),
-            help="Whether lights stand still, so that their maps are kept.",
-            show_default="what the level says of each light, else dynamic",
-        ),
-    ] = None,
+    light: Annotated[list[str] | None, measuring.lights("the first 8")] = None,
+    camera: measuring.Cameras = None,
+    technique: measuring.Techniques = None,
+    max_edge_error_px: measuring.MaxEdgeError = measuring.DEFAULT_MAX_EDGE_ERROR_PX,
+    resolution: measuring.Size = options.DEFAULT_RESOLUTION,
+    rounds: measuring.Rounds = measuring.DEFAULT_ROUNDS,
+    mobility: measuring.Mobility = None,
     add_light: options.AddedLights = None,
     scene: options.SceneName = None,
     device: options.Device = None,
     *,
-    flicker: Annotated[
-        bool,
-        typer.Option("--flicker", help="Move each camera a little, and measure how much errors flicker."),
-    ] = False,
+    flicker: measuring.Flicker = False,
     as_json: options.AsJson = False,
 ) -> None:
     """Show how every technique draws the lights of a level, on one page for the browser.

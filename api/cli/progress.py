@@ -11,6 +11,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Column
 from rich.text import Text
 
+from api.cli.interruption import Interruption
 from api.cli.terminal import printable
 
 SECONDS_BETWEEN_LINES = 10.0
@@ -19,7 +20,7 @@ WIDE = 110
 
 
 class MeasuringProgress:
-    """Counts steps of lights and says what remains. A context manager.
+    """Counts steps of lights and says what remains. A context manager, within which no Ctrl-C gets lost.
 
     Args:
         console: Where it is shown.
@@ -38,6 +39,7 @@ class MeasuringProgress:
         self._begun = 0
         self._start = time.monotonic()
         self._last_line = -SECONDS_BETWEEN_LINES
+        self._interruption = Interruption()
         self._bar: Progress | None = None
         if console.is_terminal:
             self._bar = Progress(
@@ -57,6 +59,7 @@ class MeasuringProgress:
 
     def __enter__(self) -> Self:
         """Show it."""
+        self._interruption.__enter__()
         if self._bar:
             self._bar.start()
         return self
@@ -67,6 +70,7 @@ class MeasuringProgress:
         """Take the bar away."""
         if self._bar:
             self._bar.stop()
+        self._interruption.__exit__(kind, error, trace)
 
     @property
     def lights_done(self) -> int:
@@ -75,6 +79,7 @@ class MeasuringProgress:
 
     def step(self, what: str) -> None:
         """Another step begins; those before it are done."""
+        self._interruption.check()
         self._begun = min(self._begun + 1, self._steps[self._light])
         self._show(what)
 

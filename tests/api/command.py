@@ -17,7 +17,7 @@ from typer.testing import CliRunner, Result
 from api.cli.program import app
 
 ROOT = Path(__file__).parents[2]
-QUICK = ("--resolution", "96x64", "--rounds", "1", "--techniques", "SV")
+QUICK = ("--resolution", "96x64", "--rounds", "1", "--technique", "SV")
 
 
 def gnomon(*arguments: object, width: int = 100) -> Result:

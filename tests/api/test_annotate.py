@@ -142,7 +142,7 @@ def test_lights_that_are_not_measured_keep_their_annotations(level: Path) -> Non
     original = level.read_bytes()
     succeeded("annotate", level, *QUICK, "--in-place", "--light", "Lamp", "--light", "Torch")
     before = nodes(level)
-    again = ("--resolution", "80x64", "--rounds", 1, "--techniques", "SM", "--max-edge-error-px", 1000)
+    again = ("--resolution", "80x64", "--rounds", 1, "--technique", "SM", "--max-edge-error-px", 1000)
     succeeded("annotate", level, *again, "--in-place", "--light", "Sun", "--light", "Torch")
     after = nodes(level)
     assert json.dumps(after["Lamp"]) == json.dumps(before["Lamp"])
@@ -343,8 +343,8 @@ def test_a_level_that_changed_meanwhile_is_not_overwritten(
         (("--pictures", "other.glb/deep"), 5, "another path with --pictures"),
         (("--light", "Moon"), 3, '"Lamp", "Torch", "Sun"'),
         (("--camera", "Drone"), 3, '"Eye"'),
-        (("--techniques", "SM,PCSS"), 2, "PCSS"),
-        (("--techniques", ","), 2, "names nothing"),
+        (("-t", "SM", "-t", "PCSS"), 2, "PCSS"),
+        (("--technique", ","), 2, "no technique"),
         (("--rounds", "0"), 2, "--rounds"),
         (("--max-edge-error-px", "-1"), 2, "--max-edge-error-px"),
         (("--max-edge-error-px", "nan"), 2, "--max-edge-error-px"),

@@ -17,7 +17,7 @@ import pytest
 from tests.api.command import QUICK, environment, gnomon, program, running, started, wait_for_line
 from tests.small_level import small_level
 
-ENDLESS = ("--resolution", "320x180", "--rounds", "1000", "--techniques", "SV")
+ENDLESS = ("--resolution", "320x180", "--rounds", "1000", "--technique", "SV")
 
 
 @pytest.fixture

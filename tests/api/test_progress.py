@@ -1,6 +1,10 @@
 from __future__ import annotations
 
 import io
+import os
+import signal
+import time
+from contextlib import suppress
 
 import pytest
 from rich.console import Console
@@ -87,3 +91,23 @@ def test_more_steps_than_planned_never_pass_the_light(clock: Clock) -> None:
 def test_hours_are_called_hours(clock: Clock) -> None:
     printed = shown(clock, [4, 4], [3600.0, 3600.0])
     assert any("about 4 h 00 min left" in line for line in printed)
+
+
+def measured_but_ctrl_c_gets_lost(done: list[str], steps: tuple[str, ...]) -> None:
+    with MeasuringProgress(Console(file=io.StringIO()), [10]) as progress:
+        with suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(1)
+        for step in steps:
+            progress.step(step)
+            done.append(step)
+    done.append("the end")
+
+
+@pytest.mark.parametrize("steps", [(), ("one", "two")])
+def test_ctrl_c_that_got_lost_is_raised_at_the_next_step(steps: tuple[str, ...]) -> None:
+    before, done = signal.getsignal(signal.SIGINT), list[str]()
+    with pytest.raises(KeyboardInterrupt):
+        measured_but_ctrl_c_gets_lost(done, steps)
+    assert done == []
+    assert signal.getsignal(signal.SIGINT) is before
