@@ -67,11 +67,13 @@ class ChanHybrid:
     def refuses(self, light: Light, scene: Scene, limits: DeviceLimits, settings: Settings) -> str | None:
         """Why not: the map is larger than the device allows, or the volumes' buffers are."""
         chosen = completed(self.options, settings, self.label)
+        # First what no setting of tiles mends.
+        reason = map_refusal(light, scene, limits, chosen) or ShadowVolume().refuses(light, scene, limits, {})
         faces = sum(mesh.triangle_count for mesh in scene.meshes if mesh.casts)
-        most_triangles = 2 * faces * (1 + EDGES_PER_FACE)
-        if chosen["tiles"] != "off" and most_triangles * BYTES_PER_TRIANGLE > limits.max_buffer_bytes:
+        most_bytes = 2 * faces * (1 + EDGES_PER_FACE) * BYTES_PER_TRIANGLE
+        if reason is None and chosen["tiles"] != "off" and most_bytes > limits.max_buffer_bytes:
             return f"{faces:,} casting triangles need larger lists than the device's buffers; try tiles=off"
-        return map_refusal(light, scene, limits, chosen) or ShadowVolume().refuses(light, scene, limits, {})
+        return reason
 
     def prepare(self, frame: Frame, light: Light, settings: Settings) -> ChanHybridPass:
         """A map of the size that `settings` ask for, and the volumes of the frame's world."""

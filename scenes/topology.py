@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,14 +17,29 @@ from scenes.scene import Array, Positions, Triangles
 
 Counts = npt.NDArray[np.int64]
 Signs = npt.NDArray[np.int8]
+Keys = npt.NDArray[np.uint64]
+
+_HALF = np.uint64(32)
+_LOWER = np.uint64(0xFFFFFFFF)
 
 
 def weld(positions: Positions) -> tuple[Positions, npt.NDArray[np.int64]]:
-    """Distinct positions (u, 3) float32, and for each of the given ones its index among them."""
+    """Distinct positions (u, 3) float32, and for each of the given ones its index among them.
+
+    They stand in the order of their bytes in memory.
+    """
     # Adding zero turns -0.0 into 0.0, which has other bits but is the same place.
-    bits = np.ascontiguousarray(positions + np.float32(0)).view(np.dtype((np.void, 12))).ravel()
-    _, first, inverse = np.unique(bits, return_index=True, return_inverse=True)
-    return positions[first], inverse.ravel()
+    bits = np.ascontiguousarray((positions + np.float32(0)).T).view(np.dtype(">u4"))
+    # Two sorts of 64 bits, the second of what is nearly in order: a third of the time of one sort of 96.
+    keys = _paired(bits[0], bits[1])
+    order = np.argsort(keys, kind="stable")
+    keys = _paired(_ranks(keys[order]), bits[2][order])
+    again = np.argsort(keys, kind="stable")
+    order = order[again]
+    ranks = _ranks(keys[again])
+    index = np.zeros(len(order), np.int64)
+    index[order] = ranks
+    return positions[order[_starts(ranks)]], index
 
 
 @dataclass(frozen=True)
@@ -47,17 +63,19 @@ class Topology:
         """The edges of (t, 3) welded triangles. An edge from a vertex to itself is no edge."""
         tails = triangles.ravel()
         heads = triangles[:, [1, 2, 0]].ravel()
-        faces = np.repeat(np.arange(len(triangles)), 3)
-        proper = tails != heads
-        tails, heads, faces = tails[proper], heads[proper], faces[proper]
-        keys = np.minimum(tails, heads).astype(np.int64) << 32 | np.maximum(tails, heads)
+        sides = np.arange(len(tails), dtype=np.int32)
+        if not (tails != heads).all():
+            sides = sides[tails != heads]
+            tails, heads = tails[sides], heads[sides]
+        keys = _paired(np.minimum(tails, heads), np.maximum(tails, heads))
         order = np.argsort(keys, kind="stable")
-        keys, first = np.unique(keys[order], return_index=True)
+        keys = keys[order]
+        first = _starts(keys)
         return cls(
-            edges=np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1).astype(np.int32),
+            edges=np.stack([keys[first] >> _HALF, keys[first] & _LOWER], axis=1).astype(np.int32),
             offsets=np.append(first, len(order)).astype(np.int32),
-            faces=faces[order].astype(np.int32),
-            orientations=np.where(tails < heads, 1, -1)[order].astype(np.int8),
+            faces=sides[order] // np.int32(3),
+            orientations=np.where(tails < heads, np.int8(1), np.int8(-1))[order],
         )
 
     @cached_property
@@ -92,3 +110,28 @@ def face_signs(corners: Array, light: Array) -> Signs:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     heights: Array = np.einsum("ij,ij->i", normals, light[:3] - light[3] * corners[:, 0])
     return np.sign(heights).astype(np.int8)
+
+
+def _paired(upper: npt.NDArray[Any], lower: npt.NDArray[Any]) -> Keys:
+    """(n,) uint64 that sort by (n,) numbers of up to 32 bits, none negative, and then by others."""
+    keys: Keys = upper.astype(np.uint64)
+    keys <<= _HALF
+    keys |= lower.astype(np.uint64)
+    return keys
+
+
+def _begins(ordered: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    """(n,) bool: whether another value begins here."""
+    begins = np.ones(len(ordered), bool)
+    np.not_equal(ordered[1:], ordered[:-1], out=begins[1:])
+    return begins
+
+
+def _starts(ordered: npt.NDArray[Any]) -> Counts:
+    """(u,) int64: where each distinct value of an ordered array begins."""
+    return np.flatnonzero(_begins(ordered))
+
+
+def _ranks(ordered: npt.NDArray[Any]) -> Counts:
+    """(n,) int64: how many distinct values of an ordered array come before each."""
+    return np.cumsum(_begins(ordered)) - 1

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -8,10 +10,12 @@ from hypothesis import strategies as st
 
 from renderers.context import Gpu
 from renderers.frame import decode_octahedral
+from renderers.registry import technique
 from renderers.world import World, encode_octahedral
-from scenes.scene import Array, Mesh, Scene
+from scenes.scene import Array, LightKind, Mesh, Scene
 from tests import tolerances
-from tests.random_scenes import random_scene
+from tests.random_scenes import random_camera, random_light, random_scene
+from tests.rendering import framed, prepared
 from tests.solids import box, floor, moved, placed
 
 
@@ -19,13 +23,13 @@ from tests.solids import box, floor, moved, placed
 def test_packed_normals_are_nearly_what_they_were(seed: int) -> None:
     normals = np.random.default_rng(seed).normal(size=(100, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    found = decode_octahedral(encode_octahedral(normals))
+    found = decode_octahedral(encode_octahedral(normals.T))
     assert np.linalg.norm(found - normals, axis=1).max() <= tolerances.PACKED_NORMAL
 
 
 def test_axes_are_packed_exactly() -> None:
     axes = np.vstack([np.eye(3), -np.eye(3)])
-    assert decode_octahedral(encode_octahedral(axes)).tolist() == axes.tolist()
+    assert decode_octahedral(encode_octahedral(axes.T)).tolist() == axes.tolist()
 
 
 def read(buffer_bytes: bytes, dtype: npt.DTypeLike, width: int) -> npt.NDArray[np.generic]:
@@ -78,16 +82,49 @@ def test_only_casting_faces_have_edges(gpu: Gpu) -> None:
     assert len(world.topology.edges) == 18
     assert world.topology.faces.max() < world.caster_count
     assert (world.topology.valences == 2).all()
-    edges = read(world.edge_buffer.read(), np.int32, 2)
+    edges = read(world.edges.vertices.read(), np.int32, 2)
     assert np.array_equal(edges, world.topology.edges)
     world.release()
+
+
+@pytest.mark.parametrize(
+    "name", ["shadow_map", "perspective_shadow_map", "light_space_perspective_shadow_map"]
+)
+def test_maps_are_drawn_without_edges(gpu: Gpu, name: str) -> None:
+    scene, light = random_scene("closed boxes", 1), random_light(LightKind.SPOT, 1)
+    with framed(gpu, scene, light, random_camera(1), (32, 24)) as frame:
+        with prepared(frame, name, {}):
+            assert frame.read_mask().any()
+        assert "edges" not in vars(frame.world)
+
+
+@pytest.mark.parametrize("name", ["shadow_volume", "chan_hybrid"])
+def test_edges_are_made_before_anything_is_timed(gpu: Gpu, name: str) -> None:
+    scene, light = random_scene("closed boxes", 1), random_light(LightKind.SPOT, 1)
+    with framed(gpu, scene, light, random_camera(1), (32, 24)) as frame:
+        assert "edges" not in vars(frame.world)
+        with technique(name).prepare(frame, frame.light, {}):
+            assert "edges" in vars(frame.world)
+
+
+def test_many_placements_are_expanded_a_few_at_a_time(gpu: Gpu, monkeypatch: pytest.MonkeyPatch) -> None:
+    placements = np.stack([placed(offset=(3.0 * step, 0, step)) for step in range(7)])
+    scene = Scene("row", (replace(box((0, 1, 0), (1, 1, 1)), placements=placements), floor(4.0)))
+    at_once = World.of(gpu, scene)
+    monkeypatch.setattr("renderers.world.EXPANDED_AT_ONCE", 17)
+    by_twos = World.of(gpu, scene)
+    assert np.array_equal(at_once.positions, by_twos.positions)
+    assert np.array_equal(at_once.triangles, by_twos.triangles)
+    assert len(at_once.triangles) == scene.triangle_count
+    at_once.release()
+    by_twos.release()
 
 
 @pytest.mark.parametrize("geometry", ["triangle soup", "duplicates and degenerates"])
 def test_half_edges_say_which_face_runs_which_way(gpu: Gpu, geometry: str) -> None:
     world = World.of(gpu, random_scene(geometry, 1))
-    half_edges = np.frombuffer(world.half_edge_buffer.read(), np.int32)
-    offsets = np.frombuffer(world.offset_buffer.read(), np.int32)
+    half_edges = np.frombuffer(world.edges.half_edges.read(), np.int32)
+    offsets = np.frombuffer(world.edges.offsets.read(), np.int32)
     triangles = read(world.index_buffer.read(), np.int32, 3)
     edge = np.repeat(np.arange(len(world.topology.edges)), np.diff(offsets))
     first, second = world.topology.edges[edge].T

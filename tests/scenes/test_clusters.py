@@ -28,6 +28,35 @@ def test_clusters_hold_every_triangle_once_inside_their_boxes(count: int, seed: 
     assert (ordered <= clusters.high[owner][:, None]).all()
 
 
+@given(COUNTS, st.integers(0, 1000), st.booleans())
+def test_clusters_are_those_of_the_plain_formulas(count: int, seed: int, coarse: bool) -> None:  # noqa: FBT001
+    random = np.random.default_rng(seed)
+    positions = random.normal(size=(max(count, 1), 3)).astype(np.float32)
+    positions = np.round(positions) if coarse else positions
+    triangles = random.integers(0, len(positions), (count, 3)).astype(np.int32)
+    clusters = Clusters.of(positions, triangles)
+    corners = positions.astype(np.float64)[triangles]
+    order = np.argsort(plain_morton(corners.mean(axis=1)), kind="stable")
+    assert clusters.order.tolist() == order.tolist()
+    starts = np.arange(0, count, FACES_PER_CLUSTER)
+    assert clusters.starts.tolist() == [*starts.tolist(), count]
+    runs = [corners[order][start : start + FACES_PER_CLUSTER].reshape(-1, 3) for start in starts]
+    assert clusters.low.tolist() == [run.min(axis=0).tolist() for run in runs]
+    assert clusters.high.tolist() == [run.max(axis=0).tolist() for run in runs]
+
+
+def plain_morton(points: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+    """Bit by bit."""
+    keys = np.zeros(len(points), np.int64)
+    if len(points):
+        extent = max((points.max(axis=0) - points.min(axis=0)).max(), np.finfo(np.float64).tiny)
+        cells = ((points - points.min(axis=0)) / extent * 1023).astype(np.int64)
+        for bit in range(10):
+            for axis in range(3):
+                keys |= (cells[:, axis] >> bit & 1) << (3 * bit + axis)
+    return keys
+
+
 @given(COUNTS, st.integers(0, 1000), st.floats(0, 1))
 def test_runs_are_exactly_the_faces_of_the_kept_clusters(count: int, seed: int, share: float) -> None:
     clusters, _ = clustered(count, seed)

@@ -88,6 +88,40 @@ def test_welding_keeps_every_position_and_none_twice(positions: npt.NDArray[np.f
     assert len(set(map(tuple, distinct.tolist()))) == len(distinct)
 
 
+@given(
+    hnp.arrays(
+        np.float32,
+        st.tuples(st.integers(0, 40), st.just(3)),
+        elements=st.sampled_from([-0.0, 0, 1, -1, 1 + 2**-23, 2**-149, -3e38, 1e-3]),
+    )
+)
+def test_welding_gives_what_one_sort_of_all_bytes_gives(positions: npt.NDArray[np.float32]) -> None:
+    whole = np.ascontiguousarray(positions + np.float32(0)).view(np.dtype((np.void, 12))).ravel()
+    _, first, wanted = np.unique(whole, return_index=True, return_inverse=True)
+    distinct, index = weld(positions)
+    assert distinct.tobytes() == positions[first].tobytes()
+    assert index.tolist() == wanted.ravel().tolist()
+
+
+@given(FACES)
+def test_half_edges_stand_by_edge_and_then_by_face_corner(triangles: Faces) -> None:
+    tails, heads = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    sides = [
+        (min(tail, head), max(tail, head), number)
+        for number, (tail, head) in enumerate(zip(tails.tolist(), heads.tolist(), strict=True))
+        if tail != head
+    ]
+    topology = Topology.of(triangles)
+    owner = np.repeat(np.arange(len(topology.edges)), np.diff(topology.offsets))
+    ends = topology.edges[owner].tolist()
+    numbers = [number for _, _, number in sorted(sides)]
+    assert ends == [list(side[:2]) for side in sorted(sides)]
+    assert topology.faces.tolist() == [number // 3 for number in numbers]
+    assert topology.orientations.tolist() == [
+        1 if tails[number] < heads[number] else -1 for number in numbers
+    ]
+
+
 def test_a_box_with_split_corners_is_closed() -> None:
     closed = box((0, 0, 0), (1, 2, 3))
     split = Mesh("split", closed.positions[closed.triangles].reshape(-1, 3), np.arange(36).reshape(-1, 3))
