@@ -61,6 +61,7 @@ bench: setup
 	$(BIN)/python tests/bench/reading.py
 	$(BIN)/python tests/bench/frames.py
 	$(BIN)/python tests/bench/techniques.py
+	$(BIN)/python tests/bench/store.py
 
 flip-agreement: setup
 	$(BIN)/python tests/bench/flip_agreement.py

@@ -39,7 +39,8 @@ def level_with_lights(path: Path, scene_name: str | None, words: Sequence[str]) 
     level = read_level(path, scene_name)
     if not added:
         return level
-    return replace(level, scene=replace(level.scene, lights=(*level.scene.lights, *added)))
+    scene = replace(level.scene, lights=(*level.scene.lights, *added))
+    return replace(level, scene=scene, notes=tuple(note for note in level.notes if not note.lightless))
 
 
 def check_place(path: Path, words: Sequence[str]) -> None:

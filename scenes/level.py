@@ -24,11 +24,13 @@ class Note:
         severity: `warning` where the picture or the measurement may be affected.
         where: The place in the file, such as `mesh 3 "Tree", primitive 0`.
         text: One sentence for the level's author.
+        lightless: Whether it says that there are no lights, which others may add.
     """
 
     severity: Severity
     where: str
     text: str
+    lightless: bool = False
 
 
 @dataclass
@@ -44,6 +46,10 @@ class NoteBook:
     def warning(self, where: str, text: str) -> None:
         """Notes what may change the picture or the measurement."""
         self.notes[Note(Severity.WARNING, where, text)] = None
+
+    def lightless(self, where: str, text: str) -> None:
+        """Warns that the file has no lights."""
+        self.notes[Note(Severity.WARNING, where, text, lightless=True)] = None
 
 
 @dataclass(frozen=True)

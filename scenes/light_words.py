@@ -11,7 +11,7 @@ from typing import Any
 from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.level import NoteBook
-from scenes.plain.entries import read_light, refuse_unknown
+from scenes.plain.entries import LIGHT_KEYS, read_light
 from scenes.scene import Light, LightKind
 
 EXAMPLE = "spot position_m=0,3,0 target_m=1,0,2 outer_cone_deg=30 range_m=12"
@@ -32,7 +32,7 @@ def light_values(words: str) -> dict[str, Any]:
     """The same as the JSON object that a lights file would hold.
 
     Raises:
-        LevelError: A word is no `key=value`, or comes twice.
+        LevelError: A word is no `key=value`, has a key that is none of a light's, or comes twice.
     """
     try:
         parts = shlex.split(words)
@@ -46,6 +46,9 @@ def light_values(words: str) -> dict[str, Any]:
         key, sign, text = part.partition("=")
         if not (key and sign and text):
             raise _wrong(words, f'"{part[:40]}" is no key=value.')
+        if key not in LIGHT_KEYS:
+            known = ", ".join(sorted(LIGHT_KEYS - {"kind"}))
+            raise _wrong(words, f'A light in words has no "{key[:40]}".', f"It has {known}.")
         if key in values:
             raise _wrong(words, f'"{key[:40]}" is said twice.')
         values[key] = _value(key, text)
@@ -56,16 +59,13 @@ def read_light_values(values: Mapping[str, Any], words: str, node: int | None = 
     """The light of such an object.
 
     Raises:
-        LevelError: A value is missing, unknown or wrong.
+        LevelError: A value is missing or wrong.
     """
-    entry, notes = Entry(values, f'light "{words[:60]}"'), NoteBook()
     try:
-        light = read_light(entry, node, notes)
+        return read_light(Entry(values, f'light "{words[:60]}"'), node, NoteBook())
     except LevelError as error:
         error.remedy = error.remedy or f"For example: {EXAMPLE}."
         raise
-    refuse_unknown(entry, notes)
-    return light
 
 
 def lights_file(geometry: str, lights: Iterable[Light]) -> bytes:
@@ -108,5 +108,5 @@ def _number(text: str) -> float | str:
         return text
 
 
-def _wrong(words: str, what: str) -> LevelError:
-    return LevelError(what, where=f'light "{words[:60]}"', remedy=f"For example: {EXAMPLE}.")
+def _wrong(words: str, what: str, known: str = "") -> LevelError:
+    return LevelError(what, where=f'light "{words[:60]}"', known=known, remedy=f"For example: {EXAMPLE}.")

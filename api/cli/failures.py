@@ -15,7 +15,7 @@ from rich.text import Text
 from api.cli.terminal import errors, flush_results, printable, silence
 from scenes.errors import GnomonError
 
-EXIT_INTERNAL, EXIT_USAGE, EXIT_INCOMPLETE, EXIT_INTERRUPTED = 1, 2, 6, 130
+EXIT_INTERNAL, EXIT_USAGE, EXIT_INCOMPLETE, EXIT_STORE, EXIT_INTERRUPTED = 1, 2, 6, 7, 130
 EXIT_CLOSED_PIPE = 141
 """What shells report of a program that writes to a reader who has gone: 128 and the number of SIGPIPE."""
 
@@ -27,6 +27,7 @@ EXIT_MEANINGS = {
     4: "no usable device",
     5: "an output cannot be written",
     EXIT_INCOMPLETE: "done, but some lights have no recommendation",
+    EXIT_STORE: "the evidence store cannot be read or written",
     EXIT_INTERRUPTED: "interrupted",
     EXIT_CLOSED_PIPE: "the reader of the output has gone",
 }

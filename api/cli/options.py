@@ -203,6 +203,15 @@ Size = Annotated[
         "--resolution", metavar="WxH", parser=parse_resolution, help="Pixels across and down of each view."
     ),
 ]
+DEFAULT_STORE = "gnomon-evidence.sqlite"
+StoreUrl = Annotated[
+    str,
+    typer.Option(
+        "--store",
+        metavar="URL",
+        help="The evidence: a SQLite file, or the URL of a PostgreSQL database.",
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON, and nothing else on stdout.")]
 
 

@@ -11,6 +11,7 @@ from api.cli.annotate import annotate
 from api.cli.compare import compare
 from api.cli.corpus import corpus
 from api.cli.devices import devices
+from api.cli.evidence import evidence
 from api.cli.failures import epilog, failing_cleanly
 from api.cli.help_pages import PlainCommand, PlainGroup, help_text
 from api.cli.inspect import inspect
@@ -30,6 +31,7 @@ for command in (annotate, compare, inspect, render, thesis, corpus, devices):
     app.command(
         cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=command in (annotate, compare))
     )(failing_cleanly(command))
+app.add_typer(evidence)
 
 
 def _print_version(value: bool) -> None:  # noqa: FBT001  Typer calls it so

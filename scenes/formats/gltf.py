@@ -125,6 +125,6 @@ def _judge(asset: Asset, scene: Scene, geometry: GeometryReader, notes: NoteBook
     if not scene.triangle_count:
         notes.warning("scene", "This level has no triangles: nothing casts a shadow.")
     if not scene.lights:
-        notes.warning("scene", "This level has no lights that cast shadows (KHR_lights_punctual).")
+        notes.lightless("scene", "This level has no lights that cast shadows (KHR_lights_punctual).")
     if asset.count("animations"):
         notes.info("animations", "Animations are not played: everything stands as the nodes say.")

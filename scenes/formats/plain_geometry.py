@@ -65,7 +65,7 @@ def read(path: Path, scene_name: str | None = None) -> Level:
     scene = Scene(path.stem, meshes, lights.lights, lights.cameras)
     if not scene.lights:
         name = lights_path(geometry).name
-        notes.warning(
+        notes.lightless(
             "lights", f"No lights of its own: write them into {name} beside it (docs/level-formats.md)."
         )
     return Level(path, NAME, scene, tuple(notes.notes))

@@ -96,5 +96,5 @@ def _read(source: bytes, path: Path, scene_name: str | None) -> Level:
     if not scene.triangle_count:
         notes.warning("brushes", "This level has no brushes that are drawn: nothing casts a shadow.")
     if not scene.lights:
-        notes.warning("entities", "This level has no lights.")
+        notes.lightless("entities", "This level has no lights.")
     return Level(path, NAME, scene, tuple(notes.notes))

@@ -1,23 +1,32 @@
 """USD, as text, binary or package; an annotation is a layer of its own over the level.
 
-What reads it, usd-core, is an optional dependency, and takes half a second to import: only when it is needed.
+What reads it, usd-core, is an optional dependency. A damaged file can keep it busy without end, or crash it:
+it works in a program of its own, with limits on its time and memory (`scenes/limited_process.py`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 
 from scenes.errors import LevelError
 from scenes.level import Level
 from scenes.level_file import read_level_file
 from scenes.light_annotation import Cleared, LightAnnotation
+from scenes.limited_process import EndedError, LimitedProcess
 from scenes.usd import layer_mark
+from scenes.usd.parcel import unpacked
 
 NAME = "USD"
 SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 LAYER_SUFFIX = ".usda"
+
+# A level of a million triangles takes a quarter of a second and a quarter of a gigabyte; eight are read.
+MOST_SECONDS = 120.0
+MOST_BYTES = 16 * 2**30
+_PROCESS = LimitedProcess(MOST_BYTES, MOST_SECONDS)
 
 
 def read(path: Path, scene_name: str | None = None) -> Level:
@@ -31,10 +40,8 @@ def read(path: Path, scene_name: str | None = None) -> Level:
         LevelError: usd-core is not installed, or the file or one of its layers cannot be read.
     """
     read_level_file(path, 1)
-    with _usd(path):
-        from scenes.usd.reader import read_scene  # noqa: PLC0415
-
-        scene, notes = read_scene(path, scene_name)
+    with _usd(path) as usd:
+        scene, notes = unpacked(usd.call("scenes.usd.reader", "read_parcel", path, scene_name))
     return Level(path, NAME, scene, notes)
 
 
@@ -44,10 +51,9 @@ def annotate(source: bytes, annotations: Mapping[int, LightAnnotation], path: Pa
     Raises:
         LevelError: usd-core is not installed, the level cannot be read, or has no such light.
     """
-    with _usd(path):
-        from scenes.usd import layer  # noqa: PLC0415
-
-        return layer.annotate(source, annotations, path)
+    with _usd(path) as usd:
+        found: bytes = usd.call("scenes.usd.layer", "annotate", source, dict(annotations), path)
+        return found
 
 
 def read_annotations(source: bytes, path: Path) -> dict[int, LightAnnotation]:
@@ -56,10 +62,9 @@ def read_annotations(source: bytes, path: Path) -> dict[int, LightAnnotation]:
     Raises:
         LevelError: usd-core is not installed, or the level cannot be read.
     """
-    with _usd(path):
-        from scenes.usd import layer  # noqa: PLC0415
-
-        return layer.read_annotations(source, path)
+    with _usd(path) as usd:
+        found: dict[int, LightAnnotation] = usd.call("scenes.usd.layer", "read_annotations", source, path)
+        return found
 
 
 def clear(source: bytes, path: Path) -> Cleared:
@@ -68,10 +73,9 @@ def clear(source: bytes, path: Path) -> Cleared:
     Raises:
         LevelError: usd-core is not installed, or the level cannot be read.
     """
-    with _usd(path):
-        from scenes.usd import layer  # noqa: PLC0415
-
-        return layer.clear(source, path)
+    with _usd(path) as usd:
+        found: Cleared = usd.call("scenes.usd.layer", "clear", source, path)
+        return found
 
 
 def companions(source: bytes, path: Path) -> tuple[Path, ...]:
@@ -80,10 +84,9 @@ def companions(source: bytes, path: Path) -> tuple[Path, ...]:
     Raises:
         LevelError: usd-core is not installed, or the level cannot be read.
     """
-    with _usd(path):
-        from scenes.usd.companions import companions as named_files  # noqa: PLC0415
-
-        return named_files(source, path)
+    with _usd(path) as usd:
+        found: tuple[Path, ...] = usd.call("scenes.usd.companions", "companions", source, path)
+        return found
 
 
 def is_layer(source: bytes) -> bool:
@@ -92,18 +95,23 @@ def is_layer(source: bytes) -> bool:
 
 
 @contextmanager
-def _usd(path: Path) -> Iterator[None]:
-    """Names the level in errors, usd-core where it is missing."""
-    try:
-        yield
-    except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] != "pxr":
-            raise
+def _usd(path: Path) -> Iterator[LimitedProcess]:
+    """The program that knows USD; names the level in errors, and usd-core where it is missing."""
+    if find_spec("pxr") is None:
         raise LevelError(
             "USD levels need usd-core, which is not installed.",
             where=str(path),
             remedy='Install it as the extra "usd": pip install "gnomon[usd]", or pip install usd-core.',
-        ) from None
+        )
+    try:
+        yield _PROCESS
+    except EndedError as error:
+        raise LevelError(
+            "USD gave up on this level: the file is damaged, or far too large.",
+            where=str(path),
+            known=f"{error} That is as much as reading a level may take.",
+            remedy="Export it again; usdchecker may tell what is wrong with it.",
+        ) from error
     except LevelError as error:
         if str(path) not in error.where:
             error.where = f"{path}, {error.where}" if error.where else str(path)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 from scenes.entry import Entry
-from scenes.errors import LevelError
 from scenes.level import NoteBook
 from scenes.light_annotation import OWN_KEYS
 from scenes.magnitudes import require_divisor, require_moderate, require_near
@@ -19,7 +18,7 @@ from scenes.vectors import Vector, unit, upright
 STORY = "gnomon"
 # What is printed beside a light and says nothing of it, and what an annotation writes.
 _SPARE = frozenset({"index", "node", STORY}) | OWN_KEYS
-_LIGHT_KEYS = frozenset(
+LIGHT_KEYS = frozenset(
     {"name", "kind", "position_m", "direction", "target_m", "range_m", "intensity", "color", "mobility"}
     | {"inner_cone_rad", "inner_cone_deg", "outer_cone_rad", "outer_cone_deg"}
 )
@@ -37,7 +36,7 @@ def read_light(entry: Entry, node: int | None, notes: NoteBook) -> Light:
     Raises:
         LevelError: A value is missing, or is not what it should be.
     """
-    _note_unknown(entry, _LIGHT_KEYS, notes)
+    _note_unknown(entry, LIGHT_KEYS, notes)
     try:
         kind = LightKind(entry.text("kind"))
     except ValueError:
@@ -165,13 +164,3 @@ def _note_unknown(entry: Entry, known: frozenset[str], notes: NoteBook) -> None:
     if unknown:
         names = ", ".join(unknown)[:80].encode("utf-8", "replace").decode()
         notes.warning(entry.where, f"Not known, and ignored: {names}.")
-
-
-def refuse_unknown(entry: Entry, notes: NoteBook) -> None:
-    """Makes an error of the first note, where there is nobody to read notes.
-
-    Raises:
-        LevelError: There is one.
-    """
-    for note in notes.notes:
-        raise LevelError(note.text, where=entry.where, remedy=f"Known are {', '.join(sorted(_LIGHT_KEYS))}.")

@@ -5,8 +5,9 @@ Sources: OpenUSD, "UsdGeomMesh" (faces, holes, orientation). Faces become fans, 
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,10 +15,13 @@ from pxr import UsdGeom
 
 from scenes.errors import LevelError
 from scenes.level import NoteBook
-from scenes.scene import Positions, Triangles
-from scenes.usd.values import MEND, Prim, array, path_of, value
+from scenes.scene import Array, Positions, Triangles
+from scenes.usd.values import MEND, Prim, array, borrowed, path_of, value
+from scenes.usd.walk import Item
 
 Numbers = npt.NDArray[np.int32]
+_FLOAT, _INT = np.dtype(np.float32), np.dtype(np.int32)
+_TURNED = ("holeIndices", "orientation")
 Flags = npt.NDArray[np.bool_]
 
 
@@ -47,37 +51,175 @@ class Faces:
         return np.repeat(faces, each)
 
 
-def read_mesh(prim: Prim, notes: NoteBook) -> Faces | None:
-    """The faces of a mesh as triangles; None where it has none.
+class _Lists(NamedTuple):
+    """The arrays of a mesh as USD holds them: not to be kept."""
+
+    item: Item
+    positions: Positions
+    counts: Numbers
+    indices: Numbers
+
+
+def read_meshes(items: Sequence[Item], notes: NoteBook, *, moving: bool) -> list[Faces | None]:
+    """The faces of each mesh as triangles; None where it has none. Levels have thousands: all at once.
+
+    Args:
+        items: The meshes.
+        notes: For what is odd about them.
+        moving: Whether the stage has time samples at all.
 
     Raises:
-        LevelError: Its arrays contradict each other, or a position is not finite.
+        LevelError: Their arrays contradict each other, or a position is not finite.
     """
-    mesh = UsdGeom.Mesh(prim)
-    points = mesh.GetPointsAttr()
-    positions = array(points, np.float32, (-1, 3))
-    counts = array(mesh.GetFaceVertexCountsAttr(), np.int32)
-    indices = array(mesh.GetFaceVertexIndicesAttr(), np.int32)
-    if not len(counts) and not len(indices):
+    lists = [_lists(item, notes, moving=moving) for item in items]
+    filled = [index for index, one in enumerate(lists) if one is not None]
+    kept = [one for one in lists if one is not None]
+    found: list[Faces | None] = [None] * len(items)
+    if not kept:
+        return found
+    fewest, most = _face_sizes(kept)
+    triangles = _triangles(kept, fewest, most)
+    positions = _parted(_joined([one.positions for one in kept]), [len(one.positions) for one in kept])
+    reaches = _reaches(kept, positions)
+    for index, one, places, corners, least, reach in zip(
+        filled, kept, positions, triangles, fewest.tolist(), reaches.tolist(), strict=True
+    ):
+        if least < 3:
+            strays = int(np.count_nonzero(one.counts < 3))
+            notes.warning(
+                path_of(one.item.prim), f"{strays:,} of its faces have less than 3 corners: they are skipped."
+            )
+        if not len(corners):
+            continue
+        faces = Faces(places, corners, one.counts, reach)
+        found[index] = faces if one.item.authored.isdisjoint(_TURNED) else _oriented(one.item, faces)
+    return found
+
+
+def _lists(item: Item, notes: NoteBook, *, moving: bool) -> _Lists | None:
+    prim = item.prim
+    points = prim.GetAttribute("points")
+    corners, indices = prim.GetAttribute("faceVertexCounts"), prim.GetAttribute("faceVertexIndices")
+    found = _Lists(
+        item,
+        borrowed(points, _FLOAT, (-1, 3)),
+        borrowed(corners, _INT),
+        borrowed(indices, _INT),
+    )
+    if not len(found.counts) and not len(found.indices):
         notes.info(path_of(prim), "This mesh has no faces.")
         return None
-    if points.ValueMightBeTimeVarying():
+    if moving and points.ValueMightBeTimeVarying():
         notes.info(path_of(prim), "Its points move over time: their first time sample is read.")
-    reach = _checked_reach(prim, positions, counts, indices)
-    triangles = triangulated(counts, indices)
-    if counts.min() < 3:
-        strays = int(np.count_nonzero(counts < 3))
-        notes.warning(path_of(prim), f"{strays:,} of its faces have less than 3 corners: they are skipped.")
-    holes = mesh.GetHoleIndicesAttr()
-    solid = None
-    if holes.HasAuthoredValue() and len(found := array(holes, np.int32)):
-        solid = ~_in_holes(prim, found, len(counts))
-        triangles = triangles[Faces(positions, triangles, counts, reach).marked(solid)]
-    orientation = mesh.GetOrientationAttr()
-    if orientation.HasAuthoredValue() and value(orientation) == UsdGeom.Tokens.leftHanded:
+    if not (len(found.counts) and len(found.indices) and len(found.positions)):
+        _refuse(found)
+        # Faces without any corner.
+        return None
+    return found
+
+
+def _face_sizes(lists: Sequence[_Lists]) -> tuple[Numbers, Numbers]:
+    """(m,) the fewest and the most corners of a face of each mesh.
+
+    Raises:
+        LevelError: They do not add up to the corners that a mesh has.
+    """
+    counts, starts = (
+        np.concatenate([one.counts for one in lists]),
+        _starts([len(one.counts) for one in lists]),
+    )
+    fewest, most = np.minimum.reduceat(counts, starts), np.maximum.reduceat(counts, starts)
+    total = np.add.reduceat(counts, starts, dtype=np.int64)
+    _require((fewest >= 0) & (total == [len(one.indices) for one in lists]), lists)
+    return fewest, most
+
+
+def _triangles(lists: Sequence[_Lists], fewest: Numbers, most: Numbers) -> list[Triangles]:
+    """(t, 3) triangles of each mesh; where all faces are triangles or quadrilaterals, made at once.
+
+    Raises:
+        LevelError: One has a corner that does not exist.
+    """
+    faces = [len(one.counts) for one in lists]
+    if (fewest == 3).all() and (most == 3).all():
+        triangles = _joined([one.indices for one in lists]).reshape(-1, 3)
+    elif (fewest == 4).all() and (most == 4).all():
+        triangles = _halved([one.indices for one in lists])
+        faces = [2 * count for count in faces]
+    else:
+        # Copies: what is checked must not change any more.
+        copies = [one.indices.copy() for one in lists]
+        for one, copied in zip(lists, copies, strict=True):
+            _require(copied.view(np.uint32).max(keepdims=True) < len(one.positions), [one])
+        parts = [triangulated(one.counts, copied) for one, copied in zip(lists, copies, strict=True)]
+        return _parted(_joined(parts), [len(part) for part in parts])
+    # Without a sign, what is below 0 is the greatest.
+    highest = np.maximum.reduceat(triangles.ravel().view(np.uint32), _starts(faces) * 3)
+    _require(highest < [len(one.positions) for one in lists], lists)
+    return _parted(triangles, faces)
+
+
+def _reaches(lists: Sequence[_Lists], positions: Sequence[Positions]) -> Array:
+    """(m,) the largest absolute coordinate of each mesh.
+
+    Raises:
+        LevelError: One is not finite.
+    """
+    whole = positions[0].base if len(positions) > 1 else positions[0]
+    assert isinstance(whole, np.ndarray)
+    numbers, starts = whole.view(np.float32).ravel(), _starts([3 * len(one) for one in positions])
+    # The largest of numbers is finite only where all are.
+    reaches = np.maximum(-np.minimum.reduceat(numbers, starts), np.maximum.reduceat(numbers, starts))
+    _require(np.isfinite(reaches), lists)
+    return reaches.astype(np.float64)
+
+
+def _require(sound: Flags, lists: Sequence[_Lists]) -> None:
+    if not sound.all():
+        _refuse(lists[int(np.argmin(sound))])
+
+
+def _joined(arrays: Sequence[npt.NDArray[Any]]) -> npt.NDArray[Any]:
+    """A copy of all of them, one after the other."""
+    return np.concatenate(arrays)
+
+
+def _starts(lengths: Sequence[int]) -> npt.NDArray[np.int64]:
+    sums = np.cumsum(lengths, dtype=np.int64)
+    return np.concatenate([[0], sums[:-1]])
+
+
+def _parted(joined: npt.NDArray[Any], lengths: Sequence[int]) -> list[npt.NDArray[Any]]:
+    joined.flags.writeable = False
+    ends = np.cumsum(lengths).tolist()
+    return [joined[end - length : end] for end, length in zip(ends, lengths, strict=True)]
+
+
+def _halved(arrays: Sequence[Numbers]) -> Triangles:
+    """(t, 3) the two triangles of each quadrilateral."""
+    halves = np.zeros((sum(map(len, arrays)) // 4, 6), np.int32)
+    ends = np.cumsum([len(one) // 4 for one in arrays]).tolist()
+    for one, end in zip(arrays, ends, strict=True):
+        quads = one.reshape(-1, 4)
+        into = halves[end - len(quads) : end]
+        for column, corner in enumerate((0, 1, 2, 0, 2, 3)):
+            into[:, column] = quads[:, corner]
+    return halves.reshape(-1, 3)
+
+
+def _oriented(item: Item, faces: Faces) -> Faces | None:
+    """The faces without the holes, and counter-clockwise."""
+    triangles, solid, prim = faces.triangles, None, item.prim
+    if "holeIndices" in item.authored and len(holes := array(prim.GetAttribute("holeIndices"), np.int32)):
+        solid = ~_in_holes(prim, holes, len(faces.counts))
+        triangles = triangles[faces.marked(solid)]
+    if (
+        "orientation" in item.authored
+        and value(prim.GetAttribute("orientation")) == UsdGeom.Tokens.leftHanded
+    ):
         triangles = np.ascontiguousarray(triangles[:, ::-1])
     triangles.flags.writeable = False
-    return Faces(positions, triangles, counts, reach, solid) if len(triangles) else None
+    return replace(faces, triangles=triangles, solid=solid) if len(triangles) else None
 
 
 def triangulated(counts: Numbers, indices: Numbers) -> Triangles:
@@ -91,10 +233,7 @@ def triangulated(counts: Numbers, indices: Numbers) -> Triangles:
     if fewest == most == 3:
         return indices.reshape(-1, 3)
     if fewest == most == 4:
-        quads = indices.reshape(-1, 4)
-        halves = np.zeros((len(quads), 2, 3), np.int32)
-        halves[:, 0], halves[:, 1, 0], halves[:, 1, 1:] = quads[:, :3], quads[:, 0], quads[:, 2:]
-        return halves.reshape(-1, 3)
+        return _halved([indices])
     each = np.maximum(counts.astype(np.int64) - 2, 0)
     face = np.repeat(np.arange(len(each)), each)
     start = np.cumsum(counts, dtype=np.int64) - counts
@@ -106,7 +245,13 @@ def triangulated(counts: Numbers, indices: Numbers) -> Triangles:
     return triangles
 
 
-def _checked_reach(prim: Prim, positions: Positions, counts: Numbers, indices: Numbers) -> float:
+def _refuse(lists: _Lists) -> None:
+    """Says what is wrong with a mesh whose faces have no corners, or others than they claim.
+
+    Raises:
+        LevelError: Something is.
+    """
+    prim, positions, counts, indices = lists.item.prim, lists.positions, lists.counts, lists.indices
     total = int(counts.sum(dtype=np.int64))
     if counts.min(initial=0) < 0 or total != len(indices):
         raise LevelError(
@@ -123,9 +268,7 @@ def _checked_reach(prim: Prim, positions: Positions, counts: Numbers, indices: N
             known=f"The mesh has {len(positions):,} points, counted from 0.",
             remedy=MEND,
         )
-    # The largest of numbers is finite only where all are.
-    reach = float(np.abs(positions).max(initial=0.0))
-    if not math.isfinite(reach):
+    if not np.isfinite(positions).all():
         row = int(np.flatnonzero(~np.isfinite(positions).all(axis=1))[0])
         raise LevelError(
             f"Point {row:,} of this mesh is not finite.",
@@ -133,7 +276,6 @@ def _checked_reach(prim: Prim, positions: Positions, counts: Numbers, indices: N
             known=f"It is {tuple(map(float, positions[row]))}.",
             remedy=MEND,
         )
-    return reach
 
 
 def _in_holes(prim: Prim, holes: Numbers, count: int) -> Flags:

@@ -14,8 +14,9 @@ import numpy as np
 from scenes.errors import LevelError
 from scenes.level import NoteBook
 from scenes.scene import Array
+from scenes.usd.transforms import product
 from scenes.usd.values import Prim, path_of
-from scenes.usd.walk import Edge, Forest, Item, Kind, product
+from scenes.usd.walk import Edge, Forest, Item, Kind
 
 # Each is an object in memory; instances multiply them.
 MOST_LIGHTS = 100_000

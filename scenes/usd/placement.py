@@ -13,12 +13,14 @@ from pxr import UsdGeom
 from scenes.errors import LevelError
 from scenes.level import NoteBook
 from scenes.magnitudes import LARGEST, MOST_TRIANGLES, MOST_VERTICES
-from scenes.scene import Array, Mesh
-from scenes.usd.geometry import Faces, read_mesh
+from scenes.scene import Array
+from scenes.usd.geometry import Faces, read_meshes
+from scenes.usd.parcel import Part
 from scenes.usd.shapes import read_shape
 from scenes.usd.surfaces import SurfaceReader
+from scenes.usd.transforms import product
 from scenes.usd.values import path_of, value
-from scenes.usd.walk import Edge, Forest, Item, Kind, product
+from scenes.usd.walk import Edge, Forest, Item, Kind
 from scenes.vectors import FLAT_VOLUME
 
 
@@ -28,7 +30,7 @@ class _Drawn(NamedTuple):
     faces: Faces
 
 
-def place_geometry(forest: Forest, world: Array, notes: NoteBook) -> list[Mesh]:
+def place_geometry(forest: Forest, world: Array, notes: NoteBook) -> list[Part]:
     """The meshes of the stage, one for each prim and surface, with a placement for each instance.
 
     Args:
@@ -40,18 +42,23 @@ def place_geometry(forest: Forest, world: Array, notes: NoteBook) -> list[Mesh]:
         LevelError: A mesh is broken, they draw too much together, or reach too far.
     """
     times = _times(forest)
-    drawn = []
-    for key, tree in forest.trees.items():
-        for entry in tree.entries:
-            if isinstance(entry, Item) and entry.kind is Kind.GEOMETRY and times[key]:
-                faces = _faces(entry, notes)
-                if faces is not None:
-                    drawn.append(_Drawn(key, entry, faces))
+    found = [
+        (key, entry)
+        for key, tree in forest.trees.items()
+        for entry in tree.entries
+        if isinstance(entry, Item) and entry.kind is Kind.GEOMETRY and times[key]
+    ]
+    shapes = _faces([item for _, item in found], notes, moving=forest.moving)
+    drawn = [
+        _Drawn(key, item, faces)
+        for (key, item), faces in zip(found, shapes, strict=True)
+        if faces is not None
+    ]
     _refuse_too_much(drawn, times)
     _note_subdivision(drawn, notes)
     placements = _placements(forest, world, {one.tree for one in drawn})
     surfaces = SurfaceReader(notes)
-    meshes: list[Mesh] = []
+    meshes: list[Part] = []
     for tree, group in groupby(drawn, key=lambda one: one.tree):
         members = list(group)
         # All at once: levels have thousands of meshes, each placed once.
@@ -62,28 +69,31 @@ def place_geometry(forest: Forest, world: Array, notes: NoteBook) -> list[Mesh]:
     return meshes
 
 
-def _meshes(one: _Drawn, placements: Array, surfaces: SurfaceReader) -> list[Mesh]:
+def _meshes(one: _Drawn, placements: Array, surfaces: SurfaceReader) -> list[Part]:
     if not len(placements):
         return []
-    prim, faces = one.item.prim, one.faces
+    name, faces = str(one.item.prim.GetName()), one.faces
     return [
-        Mesh(
-            name=str(prim.GetName()),
-            positions=faces.positions,
-            triangles=part.triangles,
-            placements=placements,
-            casts=part.surface.casts,
-            base_color=part.surface.base_color,
-        )
-        for part in surfaces.parts(prim, faces)
+        Part(name, faces.positions, triangles, placements, surface.casts, surface.base_color)
+        for triangles, surface in surfaces.parts(one.item, faces)
     ]
 
 
-def _faces(item: Item, notes: NoteBook) -> Faces | None:
-    prim = item.prim
-    if prim.HasRelationship("skel:skeleton") and prim.GetRelationship("skel:skeleton").HasAuthoredTargets():
-        notes.warning(path_of(prim), "Skinned: read in the pose that its points state.")
-    return read_mesh(prim, notes) if prim.IsA(UsdGeom.Mesh) else read_shape(prim, notes)
+def _faces(items: list[Item], notes: NoteBook, *, moving: bool) -> Iterator[Faces | None]:
+    kinds = [item.prim.GetTypeName() == "Mesh" or bool(item.prim.IsA(UsdGeom.Mesh)) for item in items]
+    for item in items:
+        if (
+            "skel:skeleton" in item.authored
+            and item.prim.GetRelationship("skel:skeleton").HasAuthoredTargets()
+        ):
+            notes.warning(path_of(item.prim), "Skinned: read in the pose that its points state.")
+    meshes = iter(
+        read_meshes(
+            [item for item, is_mesh in zip(items, kinds, strict=True) if is_mesh], notes, moving=moving
+        )
+    )
+    for item, is_mesh in zip(items, kinds, strict=True):
+        yield next(meshes) if is_mesh else read_shape(item.prim, notes)
 
 
 def _times(forest: Forest) -> dict[str, int]:
@@ -117,9 +127,8 @@ def _note_subdivision(drawn: list[_Drawn], notes: NoteBook) -> None:
     smooth = [
         one
         for one in drawn
-        if one.item.prim.IsA(UsdGeom.Mesh)
-        and (scheme := UsdGeom.Mesh(one.item.prim).GetSubdivisionSchemeAttr()).HasAuthoredValue()
-        and value(scheme) != UsdGeom.Tokens.none
+        if "subdivisionScheme" in one.item.authored
+        and value(one.item.prim.GetAttribute("subdivisionScheme")) != UsdGeom.Tokens.none
     ]
     if smooth:
         notes.info(

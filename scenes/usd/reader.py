@@ -14,10 +14,13 @@ from scenes.usd.cameras import read_camera
 from scenes.usd.diagnostics import quiet
 from scenes.usd.lamps import Lamp, lamps, note_unread_lamps
 from scenes.usd.lights import read_light
+from scenes.usd.parcel import Parcel, packed, unpacked
 from scenes.usd.placement import place_geometry
 from scenes.usd.stage import judge_composition, layers_outside, open_file, world_from_stage
+from scenes.usd.templates import note_templates
+from scenes.usd.transforms import product
 from scenes.usd.values import path_of
-from scenes.usd.walk import Forest, Kind, product, walk
+from scenes.usd.walk import Edge, Forest, Kind, walk
 
 
 def read_scene(path: Path, scene_name: str | None) -> tuple[Scene, tuple[Note, ...]]:
@@ -25,6 +28,15 @@ def read_scene(path: Path, scene_name: str | None) -> tuple[Scene, tuple[Note, .
 
     Raises:
         LevelError: The file or a layer of it cannot be read, or holds what no scene can.
+    """
+    return unpacked(read_parcel(path, scene_name))
+
+
+def read_parcel(path: Path, scene_name: str | None) -> Parcel:
+    """The same, packed for its way into another process.
+
+    Raises:
+        LevelError: As `read_scene`.
     """
     notes = NoteBook()
     with quiet():
@@ -36,14 +48,16 @@ def read_scene(path: Path, scene_name: str | None) -> tuple[Scene, tuple[Note, .
             notes.info("stage", f"It is composed of a layer outside its folder: {name}.")
         world = world_from_stage(stage, notes)
         forest = walk(stage, notes)
-        scene = Scene(
-            path.stem,
-            tuple(place_geometry(forest, world, notes)),
-            tuple(_lights(forest, world, notes)),
-            tuple(_cameras(forest, world, float(UsdGeom.GetStageMetersPerUnit(stage)), notes)),
-        )
-        _judge(scene, forest, notes)
-    return scene, tuple(notes.notes)
+        meshes = place_geometry(forest, world, notes)
+        lights = tuple(_lights(forest, world, notes))
+        cameras = tuple(_cameras(forest, world, float(UsdGeom.GetStageMetersPerUnit(stage)), notes))
+        _judge(forest, notes)
+        note_templates(stage, forest, notes)
+        if not meshes:
+            notes.warning("stage", "This level has no triangles: nothing casts a shadow.")
+        if not lights:
+            notes.lightless("stage", "This level has no lights that cast shadows (UsdLux).")
+        return packed(path.stem, meshes, lights, cameras, tuple(notes.notes))
 
 
 def _no_scene(name: str) -> LevelError:
@@ -86,16 +100,13 @@ def _placed(world: Array, lamp: Lamp) -> Array:
     return placed
 
 
-def _judge(scene: Scene, forest: Forest, notes: NoteBook) -> None:
+def _judge(forest: Forest, notes: NoteBook) -> None:
     for reason, count in sorted(forest.skipped.items()):
         notes.info("stage", f"{count:,} meshes and shapes are {reason}: left out.")
     for tree in forest.trees.values():
-        for prim in (entry.prim for entry in tree.entries):
-            if prim.IsA(UsdGeom.Gprim) and prim.HasAPI(UsdLux.LightAPI):
+        shapes = (one.prim for one in tree.entries if isinstance(one, Edge) or one.kind is Kind.GEOMETRY)
+        for prim in shapes:
+            if prim.HasAPI(UsdLux.LightAPI) and prim.IsA(UsdGeom.Gprim):
                 notes.warning(
                     path_of(prim), "It shines in its own shape: it is read as a mesh, not as a light."
                 )
-    if not scene.triangle_count:
-        notes.warning("stage", "This level has no triangles: nothing casts a shadow.")
-    if not scene.lights:
-        notes.warning("stage", "This level has no lights that cast shadows (UsdLux).")

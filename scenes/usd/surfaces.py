@@ -17,6 +17,7 @@ from scenes.level import NoteBook
 from scenes.scene import Triangles
 from scenes.usd.geometry import Faces, Flags
 from scenes.usd.values import MEND, Prim, array, path_of, value
+from scenes.usd.walk import Item
 
 Color = tuple[float, float, float]
 
@@ -31,7 +32,10 @@ class Surface:
     base_color: Color = PLAIN
 
 
-class Part(NamedTuple):
+_PLAIN = Surface()
+
+
+class Covered(NamedTuple):
     """Triangles of one surface: (t, 3) int32, read-only."""
 
     triangles: Triangles
@@ -45,13 +49,18 @@ class SurfaceReader:
         self._notes = notes
         self._materials: dict[str, Surface | None] = {}
 
-    def parts(self, prim: Prim, faces: Faces) -> Iterator[Part]:
+    def parts(self, item: Item, faces: Faces) -> list[Covered]:
         """The triangles of a prim by surface: one part for each material that covers some of its faces.
 
         Raises:
             LevelError: A subset names a face that does not exist.
         """
-        own = self._bound(prim) or _displayed(prim)
+        prim = item.prim
+        own = (self._bound(prim) if item.bound else None) or _displayed(item)
+        # Without children it has no subsets.
+        return [Covered(faces.triangles, own)] if item.leaf else list(self._subsets(prim, faces, own))
+
+    def _subsets(self, prim: Prim, faces: Faces, own: Surface) -> Iterator[Covered]:
         rest = np.ones(len(faces.triangles), bool)
         for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
             surface = self._bound(subset.GetPrim())
@@ -60,11 +69,11 @@ class SurfaceReader:
             inside = _covered(subset, faces) & rest
             rest &= ~inside
             if inside.any():
-                yield Part(_frozen(faces.triangles[inside]), surface)
+                yield Covered(_frozen(faces.triangles[inside]), surface)
         if rest.all():
-            yield Part(faces.triangles, own)
+            yield Covered(faces.triangles, own)
         elif rest.any():
-            yield Part(_frozen(faces.triangles[rest]), own)
+            yield Covered(_frozen(faces.triangles[rest]), own)
 
     def _bound(self, prim: Prim) -> Surface | None:
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
@@ -110,10 +119,12 @@ def _input(shader: UsdShade.Shader, name: str) -> Any:
     return None
 
 
-def _displayed(prim: Prim) -> Surface:
-    gprim = UsdGeom.Gprim(prim)
-    opacity = array(gprim.GetDisplayOpacityAttr(), np.float64)
-    colors = array(gprim.GetDisplayColorAttr(), np.float64, (-1, 3))
+def _displayed(item: Item) -> Surface:
+    names = ("primvars:displayOpacity", "primvars:displayColor")
+    if item.authored.isdisjoint(names):
+        return _PLAIN
+    opacity = array(item.prim.GetAttribute(names[0]), np.float64)
+    colors = array(item.prim.GetAttribute(names[1]), np.float64, (-1, 3))
     # One opacity is for all; where they vary, part of it casts.
     casts = not (len(opacity) == 1 and opacity[0] < 1.0)
     return Surface(casts, _color(colors.mean(axis=0)) if len(colors) else PLAIN)

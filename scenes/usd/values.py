@@ -14,7 +14,6 @@ from pxr import Usd
 
 from scenes.errors import LevelError
 from scenes.magnitudes import LARGEST
-from scenes.scene import Array
 
 Prim = Any
 """A Usd.Prim: usd-core comes without types."""
@@ -85,23 +84,31 @@ def color(prim: Prim, attribute: Any) -> tuple[float, float, float]:
 def array(attribute: Any, dtype: npt.DTypeLike, shape: tuple[int, ...] = (-1,)) -> npt.NDArray[Any]:
     """The attribute's array as a read-only copy of that shape, empty where it has no value.
 
-    A copy, because USD maps binary files: their numbers would change with the file on disk.
+    Raises:
+        LevelError: It is no array of numbers.
+    """
+    copied = np.array(borrowed(attribute, dtype, shape))
+    copied.flags.writeable = False
+    return copied
+
+
+def borrowed(attribute: Any, dtype: npt.DTypeLike, shape: tuple[int, ...] = (-1,)) -> npt.NDArray[Any]:
+    """The same, perhaps in USD's own memory: to be copied and not to be kept.
+
+    USD maps binary files, and their numbers change with the file on disk.
 
     Raises:
         LevelError: It is no array of numbers.
     """
     found = value(attribute)
     try:
-        copied = np.array(() if found is None else found, dtype=dtype).reshape(shape)
+        # Asked for the type that it has already, numpy takes longer.
+        numbers = np.asarray(() if found is None else found)
+        if numbers.dtype != dtype:
+            numbers = numbers.astype(dtype)
+        return numbers if numbers.shape[1:] == shape[1:] else numbers.reshape(shape)
     except (TypeError, ValueError, OverflowError):
         raise wrong(attribute.GetPrim(), attribute, "an array of numbers", type(found).__name__) from None
-    copied.flags.writeable = False
-    return copied
-
-
-def matrix(value: Any) -> Array:
-    """(4, 4) float64 for column vectors, of a Gf.Matrix4d, which is for row vectors."""
-    return np.array(value, dtype=np.float64).T
 
 
 def wrong(prim: Prim, attribute: Any, expected: str, found: object) -> LevelError:

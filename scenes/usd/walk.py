@@ -6,23 +6,21 @@ instances) and "UsdGeomPointInstancer"; "UsdGeomImageable" for visibility and pu
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
 from scenes.errors import LevelError
 from scenes.level import NoteBook
 from scenes.scene import Array
 from scenes.usd.instancer import read_instancer
-from scenes.usd.values import FIRST_TIME, Prim, matrix, path_of, value
+from scenes.usd.transforms import Transforms, product
+from scenes.usd.values import Prim, value
 
 # Prototypes of point instancers often hang below an `over`, which keeps them from being drawn in place.
 _IN_A_PROTOTYPE = Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract
-_IDENTITY = np.eye(4)
 _NOT_DRAWN = ("guide", "proxy")
 
 
@@ -32,6 +30,14 @@ class Kind(Enum):
     GEOMETRY = auto()
     LIGHT = auto()
     CAMERA = auto()
+    INSTANCER = auto()
+
+
+_SCHEMAS = {
+    Kind.GEOMETRY: UsdGeom.Gprim,
+    Kind.INSTANCER: UsdGeom.PointInstancer,
+    Kind.CAMERA: UsdGeom.Camera,
+}
 
 
 @dataclass(frozen=True)
@@ -43,12 +49,19 @@ class Item:
         prim: The prim.
         matrix: (4, 4) float64, from its own space to that of its tree.
         visible: Whether neither it nor one above it in its tree is invisible.
+        authored: The names of its properties that a layer says something of. One look at them costs as much
+            as asking twice whether one of them is there.
+        bound: Whether a material is bound to it or to one above it in its tree.
+        leaf: Whether it has no children.
     """
 
     kind: Kind
     prim: Prim
     matrix: Array
     visible: bool
+    authored: frozenset[str] = frozenset()
+    bound: bool = False
+    leaf: bool = False
 
 
 @dataclass(frozen=True)
@@ -87,18 +100,35 @@ class Forest:
     Attributes:
         trees: Key to tree, a tree before those that it places.
         skipped: How many prims were left out, by what they are.
+        moving: Whether any layer has time samples.
     """
 
     trees: dict[str, Tree] = field(default_factory=dict)
     skipped: dict[str, int] = field(default_factory=dict)
+    moving: bool = False
 
 
-@dataclass(frozen=True)
-class _Step:
+class _Step(NamedTuple):
     prim: Prim
-    above: Array
+    above: int
     visible: bool
     purpose: str
+    bound: bool
+
+
+class _Found(NamedTuple):
+    """An entry of a tree before the transforms of the tree are multiplied; `kind` is None for an edge."""
+
+    prim: Prim
+    transform: int
+    visible: bool
+    kind: Kind | None = None
+    authored: frozenset[str] = frozenset()
+    bound: bool = False
+    leaf: bool = False
+    tree: str = ""
+    matrices: Array | None = None
+    drawn: bool = True
 
 
 def walk(stage: Any, notes: NoteBook) -> Forest:
@@ -110,91 +140,99 @@ def walk(stage: Any, notes: NoteBook) -> Forest:
     found: dict[str, Tree] = {}
     skipped: dict[str, int] = {}
     waiting: list[tuple[str, Prim]] = [("/", stage.GetPseudoRoot())]
+    moving = any(layer.ListAllTimeSamples() for layer in stage.GetUsedLayers())
+    walker = _Walker(notes, skipped, moving=moving, shared=bool(stage.GetPrototypes()))
     while waiting:
         key, root = waiting.pop()
         if key in found:
             continue
-        entries = tuple(_entries(key, root, notes, skipped))
-        found[key] = Tree(root, entries)
-        edges = [entry for entry in entries if isinstance(entry, Edge)]
+        found[key] = Tree(root, walker.entries(key, root))
+        edges = [entry for entry in found[key].entries if isinstance(entry, Edge)]
         waiting += [(edge.tree, stage.GetPrimAtPath(edge.tree)) for edge in edges]
-    return Forest({key: found[key] for key in _outer_first(found)}, skipped)
+    return Forest({key: found[key] for key in _outer_first(found)}, skipped, moving)
 
 
-def product(above: Array, local: Array) -> Array:
-    """(..., 4, 4) float64 products of affine matrices, elementwise: `@` may fuse or reorder them."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        terms = [above[..., :, axis, None] * local[..., None, axis, :] for axis in range(4)]
-        result: Array = ((terms[0] + terms[1]) + terms[2]) + terms[3]
-    return result
+class _Walker:
+    """Walks the trees of one stage."""
 
+    def __init__(self, notes: NoteBook, skipped: dict[str, int], *, moving: bool, shared: bool) -> None:
+        self._notes = notes
+        self._skipped = skipped
+        self._moving = moving
+        self._shared = shared
+        self._kinds: dict[str, Kind | None] = {}
 
-def _entries(key: str, root: Prim, notes: NoteBook, skipped: dict[str, int]) -> Iterator[Item | Edge]:
-    # A stack, not recursion: hostile hierarchies are 10,000 levels deep.
-    stack = [_Step(root, _IDENTITY, visible=True, purpose="")]
-    predicate = Usd.PrimDefaultPredicate if key == "/" or root.IsPrototype() else _IN_A_PROTOTYPE
-    while stack:
-        step = stack.pop()
-        prim = step.prim
-        world = step.above if prim == root else _placed(prim, step.above, notes)
-        purpose = step.purpose or _authored_purpose(prim)
-        visible = step.visible and _text(prim, "visibility") != "invisible"
-        drawn = visible and purpose not in _NOT_DRAWN
+    def entries(self, key: str, root: Prim) -> tuple[Item | Edge, ...]:
+        """What hangs below the root of a tree.
+
+        Raises:
+            LevelError: A transform is not finite, or a point instancer is broken.
+        """
+        transforms, found = Transforms(self._notes, moving=self._moving), list[_Found]()
+        # A stack, not recursion: hostile hierarchies are 10,000 levels deep.
+        stack = [_Step(root, 0, visible=True, purpose="", bound=False)]
+        below = False
+        predicate = Usd.PrimDefaultPredicate if key == "/" or root.IsPrototype() else _IN_A_PROTOTYPE
+        while stack:
+            step = stack.pop()
+            prim = step.prim
+            authored = frozenset(prim.GetAuthoredPropertyNames())
+            place = transforms.add(prim, step.above, authored) if below else 0
+            below = True
+            purpose = step.purpose or (_authored_purpose(prim) if "purpose" in authored else "")
+            shown = "visibility" not in authored or _text(prim, "visibility") != "invisible"
+            visible = step.visible and shown
+            bound = step.bound or "material:binding" in " ".join(authored)
+            kind = self._kind(prim)
+            if kind is Kind.INSTANCER or (self._shared and prim.IsInstance()):
+                found += self._edges(_Step(prim, place, visible, purpose, bound))
+                continue
+            children = prim.GetFilteredChildren(predicate)
+            if kind is Kind.GEOMETRY and not (visible and purpose not in _NOT_DRAWN):
+                reason = f"of purpose {purpose}" if visible else "invisible"
+                self._skipped[reason] = self._skipped.get(reason, 0) + 1
+            elif kind is not None:
+                found.append(_Found(prim, place, visible, kind, authored, bound, not children))
+            stack += [_Step(child, place, visible, purpose, bound) for child in reversed(children)]
+        worlds = transforms.worlds()
+        return tuple(_placed(one, worlds) for one in found)
+
+    def _edges(self, step: _Step) -> list[_Found]:
+        prim, drawn = step.prim, step.visible and step.purpose not in _NOT_DRAWN
         if prim.IsInstance():
             tree = str(prim.GetPrototype().GetPath())
-            yield Edge(prim, tree, world[None], native=True, visible=visible, drawn=drawn)
-            continue
-        if prim.IsA(UsdGeom.PointInstancer):
-            if drawn:
-                for target, matrices in read_instancer(prim, notes):
-                    placed = product(world, matrices)
-                    yield Edge(prim, target, placed, native=False, visible=True, drawn=True)
-            continue
-        kind = _kind(prim)
-        if kind is Kind.GEOMETRY and not drawn:
-            reason = "invisible" if not visible else f"of purpose {purpose}"
-            skipped[reason] = skipped.get(reason, 0) + 1
-        elif kind is not None:
-            yield Item(kind, prim, world, visible)
-        children = prim.GetFilteredChildren(predicate)
-        stack += [_Step(child, world, visible, purpose) for child in reversed(children)]
+            return [_Found(prim, step.above, step.visible, tree=tree, drawn=drawn)]
+        if not drawn:
+            return []
+        return [
+            _Found(prim, step.above, visible=True, tree=target, matrices=matrices)
+            for target, matrices in read_instancer(prim, self._notes)
+        ]
+
+    def _kind(self, prim: Prim) -> Kind | None:
+        name = prim.GetTypeName()
+        if name not in self._kinds:
+            schemas = (kind for kind, schema in _SCHEMAS.items() if prim.IsA(schema))
+            self._kinds[name] = next(schemas, None)
+        kind = self._kinds[name]
+        # An emissive mesh is a mesh; its light is told apart later.
+        own = kind is Kind.GEOMETRY or kind is Kind.INSTANCER
+        return Kind.LIGHT if not own and prim.HasAPI(UsdLux.LightAPI) else kind
 
 
-def _kind(prim: Prim) -> Kind | None:
-    # An emissive mesh is a mesh; its light is told apart later.
-    if prim.IsA(UsdGeom.Gprim):
-        return Kind.GEOMETRY
-    if prim.HasAPI(UsdLux.LightAPI):
-        return Kind.LIGHT
-    return Kind.CAMERA if prim.IsA(UsdGeom.Camera) else None
-
-
-def _placed(prim: Prim, above: Array, notes: NoteBook) -> Array:
-    form = UsdGeom.Xformable(prim)
-    if not form:
-        return above
-    operations = form.GetOrderedXformOps()
-    resets = form.GetResetXformStack()
-    if not operations and not resets:
-        return above
-    if form.TransformMightBeTimeVarying():
-        notes.info(path_of(prim), "It moves over time: it stands where its first time sample puts it.")
-    local = matrix(form.GetLocalTransformation(FIRST_TIME))
-    world = local if resets or above is _IDENTITY else product(above, local)
-    if not np.isfinite(world).all():
-        raise LevelError(
-            "The transform of this prim is not finite.",
-            where=path_of(prim),
-            remedy="Check the xformOps of the prim and of those above it.",
-        )
-    return world
+def _placed(found: _Found, worlds: Array) -> Item | Edge:
+    prim, world = found.prim, worlds[found.transform]
+    if found.kind is not None:
+        return Item(found.kind, prim, world, found.visible, found.authored, found.bound, found.leaf)
+    native = found.matrices is None
+    matrices = world[None] if found.matrices is None else product(world, found.matrices)
+    return Edge(prim, found.tree, matrices, native, found.visible, found.drawn)
 
 
 def _authored_purpose(prim: Prim) -> str:
     attribute = prim.GetAttribute("purpose")
-    if not attribute or not attribute.HasAuthoredValue():
-        return ""
-    return str(value(attribute) or "")
+    # A layer may also say that others' opinions do not count.
+    return str(value(attribute) or "") if attribute and attribute.HasAuthoredValue() else ""
 
 
 def _text(prim: Prim, name: str) -> str:

@@ -62,6 +62,18 @@ def test_an_added_light_gives_the_digest_of_a_level_that_has_it(tmp_path: Path) 
     assert level_with_lights(bare, None, []).scene.digest == small_scene(lights=()).digest
 
 
+def test_readers_do_not_miss_lights_that_were_added(tmp_path: Path) -> None:
+    quake = tmp_path / "yard.map"
+    quake.write_text('{ "classname" "worldspawn" }\n')
+    stage = tmp_path / "yard.usda"
+    stage.write_text('#usda 1.0\ndef Cube "C" { }\n')
+    for level in (yard(tmp_path), small_level(tmp_path, scene=small_scene(lights=())), quake, stage):
+        missed = [note for note in level_with_lights(level, None, []).notes if note.lightless]
+        assert len(missed) == 1, level
+        kept = [note for note in level_with_lights(level, None, []).notes if not note.lightless]
+        assert list(level_with_lights(level, None, [WORDS]).notes) == kept
+
+
 def test_inspect_shows_a_light_without_a_node(tmp_path: Path) -> None:
     text = succeeded("inspect", yard(tmp_path), "--add-light", WORDS).stdout
     assert "1 light" in text

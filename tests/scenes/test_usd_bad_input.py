@@ -11,6 +11,7 @@ import pytest
 from scenes.errors import LevelError
 from scenes.formats.registry import format_of, read_level
 from scenes.usd import lamps
+from scenes.usd.reader import read_scene
 from tests.scenes.usd_samples import METRES, TRIANGLE, instancer, mesh, read, written, xform
 
 SAMPLES = Path(__file__).parent / "samples"
@@ -131,7 +132,7 @@ def test_an_empty_stage_and_a_deep_one_are_read(tmp_path: Path) -> None:
 def test_too_many_lights_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lamps, "MOST_LIGHTS", 1)
     with pytest.raises(LevelError, match="more than 1 lights"):
-        read(tmp_path, 'def SphereLight "A" { } def SphereLight "B" { }')
+        read_scene(written(tmp_path, 'def SphereLight "A" { } def SphereLight "B" { }'), None)
 
 
 def test_usd_prints_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -13,7 +13,8 @@ from scenes.errors import LevelError
 from scenes.formats.registry import read_level
 from scenes.gltf import amounts
 from scenes.usd import placement
-from tests.scenes.usd_samples import METRES, instancer, mesh, read, written, xform
+from scenes.usd.reader import read_scene
+from tests.scenes.usd_samples import METRES, TRIANGLE, instancer, mesh, read, written, xform
 from tests.tolerances import USD_BOUNDS, USD_ROUND
 
 SAMPLES = Path(__file__).parent / "samples"
@@ -179,10 +180,11 @@ def test_instancers_hide_squash_and_nest(tmp_path: Path) -> None:
 def test_a_million_instances_are_placed_or_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     body = instancer([0, 0], [(0, 0, 0), (1, 0, 0)], CUBE)
     monkeypatch.setattr(placement, "MOST_TRIANGLES", 24)
-    assert read(tmp_path, body).scene.triangle_count == 24
+    scene, _ = read_scene(written(tmp_path, body), None)
+    assert scene.triangle_count == 24
     monkeypatch.setattr(placement, "MOST_TRIANGLES", 23)
     with pytest.raises(LevelError, match="draws 24 triangles; at most 23") as caught:
-        read(tmp_path, body)
+        read_scene(written(tmp_path, body), None)
     assert "/P/C" in caught.value.where
     assert amounts.MOST_TRIANGLES == 8_000_000
 
@@ -250,3 +252,28 @@ def test_the_digest_is_of_what_is_there(tmp_path: Path) -> None:
     text = (SAMPLES / "yard.usda").read_text()
     (tmp_path / "yard.usda").write_text(text.replace("(100, 0, 50)", "(101, 0, 50)"))
     assert read_level(tmp_path / "yard.usda").scene.digest not in digests
+
+
+def test_what_usd_does_not_draw_is_noted(tmp_path: Path) -> None:
+    body = (
+        f'class "Trees" {{ def Mesh "Oak" {{ {TRIANGLE} }} def Mesh "Elm" {{ {TRIANGLE} }} }}'
+        f'over "Lost" {{ def Mesh "M" {{ {TRIANGLE} }} }}'
+        f'def Mesh "Off" (active = false) {{ {TRIANGLE} }}'
+        'over "Empty" { }'
+        f'def Mesh "M" {{ {TRIANGLE} }}'
+    )
+    level = read(tmp_path, body)
+    assert level.scene.triangle_count == 1
+    said = {note.where: note.text for note in level.notes if "left out" in note.text}
+    assert set(said) == {"/Trees/Oak", "/Lost/M", "/Off"}
+    assert said["/Trees/Oak"].startswith("2 meshes and lights, this one first, are below a class")
+    assert said["/Lost/M"].startswith("1 mesh or light, this one first, is below an over")
+    assert {note.severity for note in level.notes if note.where in said} == {"info"}
+
+
+def test_the_prototypes_of_an_instancer_are_not_left_out(tmp_path: Path) -> None:
+    hidden = f'over "Parts" {{ def Mesh "M" {{ {TRIANGLE} }} }}'
+    body = instancer([0, 0], [(0, 0, 0), (1, 0, 0)], hidden).replace("</P/C>", "</P/Parts/M>")
+    level = read(tmp_path, body)
+    assert level.scene.triangle_count == 2
+    assert not [note for note in level.notes if "below an over" in note.text]
