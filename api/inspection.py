@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from api.wording import counted, path_words
@@ -54,7 +54,7 @@ class Inspection:
             "bounds_m": [low, high],
             "casters": {"closed": shells.closed, "balanced": shells.balanced, "open": shells.open},
             "lights": [_light_record(index, light) for index, light in enumerate(scene.lights)],
-            "cameras": [_camera_record(index, camera) for index, camera in enumerate(scene.cameras)],
+            "cameras": [camera_record(index, camera) for index, camera in enumerate(scene.cameras)],
             "notes": [
                 {"severity": str(note.severity), "where": note.where, "text": note.text}
                 for note in self.level.notes
@@ -80,7 +80,8 @@ def _light_record(index: int, light: Light) -> Json:
     return {**record, "intensity": light.intensity, "mobility": str(light.mobility)}
 
 
-def _camera_record(index: int, camera: Camera) -> Json:
+def camera_record(index: int, camera: Camera) -> Json:
+    """A camera, and its place in a list, as JSON values."""
     return {
         "index": index,
         "node": camera.node,
@@ -116,6 +117,12 @@ def _about_geometry(scene: Scene, shells: Shells) -> Iterator[str]:
             f"{_share(shells.open, shells.triangles)} of the casting triangles are in open shells. Gnomon's "
             "shadow volumes are exact on them; engines that count front and back faces only are not."
         )
+    broken = _open_in_promises(scene)
+    if broken:
+        yield (
+            f"{counted(broken, 'triangle')} in open shells, of meshes that the file promises to be closed "
+            "(EXT_mesh_manifold): the promise is not believed. Close them, or export them without it."
+        )
     see_through = sum(mesh.triangle_count for mesh in scene.meshes if not mesh.casts)
     if see_through and shells.triangles:
         yield f"{counted(see_through, 'triangle')} that cast no shadow."
@@ -145,6 +152,11 @@ def _about_lights(scene: Scene) -> Iterator[str]:
             f"{counted(len(endless), 'light')} of {len(scene.lights)} without a range: each reaches, and "
             "costs, the whole level. A range makes every technique cheaper."
         )
+
+
+def _open_in_promises(scene: Scene) -> int:
+    promised = tuple(mesh for mesh in scene.meshes if mesh.promised_closed)
+    return Shells.of(replace(scene, meshes=promised)).open if promised else 0
 
 
 def _without_area(mesh: Mesh) -> int:

@@ -21,6 +21,7 @@ from scenes.formats.registry import format_of
 from scenes.level import Level
 from scenes.level_file import read_level_file
 from scenes.scene import Camera, Light
+from scenes.viewpoints import RULES, viewpoints
 from selector.candidate import Candidate
 from selector.level_measuring import seen_lights
 from selector.measurement import LightMeasurement, Measurement
@@ -40,7 +41,8 @@ class Order:
         settings: Those that differ from the usual ones, as text.
         view: The debug view to show in place of the shaded picture, if any.
         light: Name, number or node; the first where None.
-        camera: Name, number or node; where None the first that shows what the light lights, else a viewpoint.
+        camera: Name, number or node, or a viewpoint by its rule's name; where None the first that shows what
+            the light lights, else a viewpoint.
         output: The PNG; a name made from all this where None.
         width: Pixels across.
         height: Pixels down.
@@ -173,7 +175,8 @@ def _measured(gpu: Gpu, subject: Subject) -> tuple[LightMeasurement, Shown]:
 
 
 def _camera(level: Level, light: Light, wanted: str | None) -> Camera:
-    cameras = chosen_cameras(level, _one(wanted))[:1]
+    made = _viewpoint(level, light, wanted)
+    cameras = (made,) if made else chosen_cameras(level, _one(wanted))[:1]
     (seen,) = seen_lights(level.scene, [light], cameras)
     if not seen.cameras:
         raise LevelError(
@@ -182,6 +185,13 @@ def _camera(level: Level, light: Light, wanted: str | None) -> Camera:
             remedy="Choose another light, or add a camera to the level.",
         )
     return seen.cameras[0]
+
+
+def _viewpoint(level: Level, light: Light, wanted: str | None) -> Camera | None:
+    """The viewpoint of that name, if it is one's and no camera of the level has it."""
+    if wanted not in RULES or any(camera.name == wanted for camera in level.scene.cameras):
+        return None
+    return next((camera for camera in viewpoints(level.scene, light) if camera.name == wanted), None)
 
 
 def _default_output(level: Level, light: Light, candidate: Candidate, view: str | None) -> Path:

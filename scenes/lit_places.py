@@ -7,11 +7,13 @@ from math import sqrt
 
 import numpy as np
 
-from scenes.ray_caster import OFFSET_PER_EXTENT, Bools, RayCaster
+from scenes.playable_space import PlayableSpace
+from scenes.ray_caster import OFFSET_PER_EXTENT, Bools, Indices, RayCaster
 from scenes.scene import Array, Light, LightKind, Scene
 
 _PROBES = 512
 _CANDIDATES = 12
+_LAYERS = 4  # surfaces that a ray is followed through: both sides of a sky or a pane, and what lies behind
 _SQUARELY = 0.2  # cosine; a surface that is struck flatter than 78 degrees shows no shadow worth judging
 _FIXTURE = 0.1  # of the median distance to what the light strikes: nearer than this is its own lamp
 _WALL_DETOUR = 0.2  # of the extent: within this much of its middle, a floor suits the sun better than a wall
@@ -41,48 +43,126 @@ class LitPlace:
     cost: float
 
 
-def lit_places(scene: Scene, light: Light, caster: RayCaster) -> list[LitPlace]:
+def lit_places(scene: Scene, light: Light, space: PlayableSpace) -> list[LitPlace]:
     """Up to twelve places, cheapest first, spread farther and farther from the light's axis; none if none.
 
     The axis is a spot's direction; straight down from a point light; through the scene's middle for the sun.
     Probed are 512 rays spread evenly over the cone, the sphere or the scene's cross-section, and the centres
-    of a few hundred triangles, so that small geometry is found too.
+    of a few hundred triangles, so that small geometry is found too. Light goes through what casts nothing:
+    such a surface and the one behind it are both lit.
 
     Args:
         scene: With some extent.
         light: Cone and range count.
-        caster: Of all meshes of the scene.
+        space: Of the scene. All places can be seen from within it.
     """
+    sun = light.kind is LightKind.DIRECTIONAL
+    if not sun and space.shuts_in(np.asarray(light.position)):
+        return []
+    struck = _struck(scene, light, space.caster)
+    normals = _normals(space.caster.corners(struck.triangle))
+    incidence = -np.einsum("ij,ij->i", normals, struck.directions)
+    # A face that is struck exactly edge-on has no lit side.
+    faced = incidence != 0
+    struck, incidence = struck.chosen(faced), incidence[faced]
+    if not len(incidence):
+        return []
+    normals = normals[faced] * np.sign(incidence)[:, None]
+    cost = struck.detour + 1.0 * (np.abs(incidence) < _SQUARELY)
+    if sun:
+        cost += _WALL_DETOUR * (normals[:, 1] < sqrt(0.5))
+    else:
+        cost += 2.0 * (struck.distance < _FIXTURE * np.median(struck.distance))
+    if space.wound_well:
+        cost += 2.0 * space.caster.strikes_back(struck.triangle, struck.directions)
+    points = struck.origins + struck.distance[:, None] * struck.directions
+    pools = _pool_radius(light, struck.distance, space.caster.extent)
+    cost += 4.0 * ~_in_lit_patch(space.caster, struck, points, normals, pools)
+    return [
+        LitPlace(
+            points[i],
+            normals[i],
+            -struck.directions[i],
+            float(struck.distance[i]),
+            float(pools[i]),
+            float(cost[i]),
+        )
+        for i in _chosen(np.argsort(cost, kind="stable"), points, normals, space, sun=sun)
+    ]
+
+
+def _chosen(order: Indices, points: Array, normals: Array, space: PlayableSpace, *, sun: bool) -> Indices:
+    """Up to twelve of the places in playable space, best first.
+
+    Neighbouring rays share their fate, so the second to the twelfth are ever farther apart.
+    """
+
+    def playable(places: Indices) -> Indices:
+        kept = places[space.holds(points[places], normals[places])]
+        # What a lamp lights is where the lamp is; a sun shines into gaps between walls as well.
+        return kept[space.joins(points[kept], normals[kept])] if sun else kept
+
+    chosen = order[_spread(len(order))]
+    kept = playable(chosen)
+    if 2 * len(kept) >= len(chosen):
+        return kept
+    kept = playable(order)
+    return kept[_spread(len(kept))]
+
+
+def _spread(count: int) -> Indices:
+    if not count:
+        return np.zeros(0, np.int64)
+    return np.unique(np.geomspace(1, count, _CANDIDATES).astype(np.int64)) - 1
+
+
+@dataclass(frozen=True)
+class _Struck:
+    """What a light's rays strike: (n, 3) origins and unit directions, (n,) the rest.
+
+    From `begin` on nothing lies between the light and the surface.
+    """
+
+    origins: Array
+    directions: Array
+    detour: Array
+    begin: Array
+    distance: Array
+    triangle: Indices
+
+    def chosen(self, which: Bools) -> _Struck:
+        return _Struck(
+            self.origins[which],
+            self.directions[which],
+            self.detour[which],
+            self.begin[which],
+            self.distance[which],
+            self.triangle[which],
+        )
+
+
+def _struck(scene: Scene, light: Light, caster: RayCaster) -> _Struck:
+    """The first surface on each probe within reach, and those behind it as far as none of them casts."""
     origins, directions, detour = _probes(scene, light)
     # As for shadow rays, the surface on which a light is mounted is not struck by it.
     mount = OFFSET_PER_EXTENT * caster.extent
-    distance, triangle = caster.hits(origins + mount * directions, directions)
-    distance += mount
-    reached = np.isfinite(distance)
-    if light.kind is not LightKind.DIRECTIONAL:
-        reached &= distance <= light.range_m
-    if not reached.any():
-        return []
-    origins, directions, distance = origins[reached], directions[reached], distance[reached]
-    normals = _normals(caster.corners(triangle[reached]))
-    incidence = -np.einsum("ij,ij->i", normals, directions)
-    # A face that is struck exactly edge-on keeps a normal too, of either side; it is left out at the end.
-    normals *= np.where(incidence < 0, -1.0, 1.0)[:, None]
-    cost = detour[reached] + 1.0 * (np.abs(incidence) < _SQUARELY)
-    if light.kind is LightKind.DIRECTIONAL:
-        cost += _WALL_DETOUR * (normals[:, 1] < sqrt(0.5))
-    else:
-        cost += 2.0 * (distance < _FIXTURE * np.median(distance))
-    points = origins + distance[:, None] * directions
-    pools = _pool_radius(light, distance, caster.extent)
-    cost += 4.0 * ~_in_lit_patch(caster, origins, points, normals, pools)
-    # Neighbouring rays share their fate, so the second to the twelfth are ever farther apart.
-    spread = np.unique(np.geomspace(1, len(cost), _CANDIDATES).astype(int)) - 1
-    return [
-        LitPlace(points[i], normals[i], -directions[i], float(distance[i]), float(pools[i]), float(cost[i]))
-        for i in np.argsort(cost, kind="stable")[spread]
-        if incidence[i] != 0
-    ]
+    reach = np.inf if light.kind is LightKind.DIRECTIONAL else light.range_m
+    gone = np.full(len(origins), mount)
+    going = np.arange(len(origins))
+    layers: list[tuple[Indices, Array, Array, Indices]] = []
+    for _ in range(_LAYERS):
+        step, triangle = caster.hits(
+            origins[going] + gone[going, None] * directions[going], directions[going]
+        )
+        distance = gone[going] + step
+        reached = distance <= min(reach, np.finfo(float).max)
+        going, distance, triangle = going[reached], distance[reached], triangle[reached]
+        begin = gone[going] if not layers else (gone[going] + distance) / 2
+        layers.append((going, begin, distance, triangle))
+        gone[going] = distance + mount
+        going = going[~caster.casts(triangle)]
+    rays, begins, distances, triangles = (np.concatenate(part) for part in zip(*layers, strict=True))
+    return _Struck(origins[rays], directions[rays], detour[rays], begins, distances, triangles)
 
 
 def _plane_axes(normals: Array) -> tuple[Array, Array]:
@@ -160,7 +240,7 @@ def _pool_radius(light: Light, distance: Array, extent: float) -> Array:
     return radius
 
 
-def _in_lit_patch(caster: RayCaster, origins: Array, points: Array, normals: Array, pools: Array) -> Bools:
+def _in_lit_patch(caster: RayCaster, struck: _Struck, points: Array, normals: Array, pools: Array) -> Bools:
     """(n,) bool: whether rays that go beside the point, by little and by less, strike the same plane."""
     radius = np.minimum(_PATCH[0] * caster.extent, _PATCH[1] * pools)
     angle = 0.7 + np.arange(5) * (2 * np.pi / 5)  # along no edge that follows the axes
@@ -168,13 +248,14 @@ def _in_lit_patch(caster: RayCaster, origins: Array, points: Array, normals: Arr
     star = np.cos(angle)[:, None] * first[:, None] + np.sin(angle)[:, None] * second[:, None]
     rings = radius[:, None] * _RINGS
     around = points[:, None, None] + rings[:, :, None, None] * star[:, None]
-    start = np.broadcast_to(origins[:, None, None], around.shape)
+    start = np.broadcast_to(struck.origins[:, None, None], around.shape)
     ray = around - start
     wanted = np.linalg.norm(ray, axis=-1)
-    mount = OFFSET_PER_EXTENT * caster.extent
-    start = start + mount * ray / wanted[..., None]
+    begin = struck.begin[:, None, None]
+    start = start + begin[..., None] * ray / wanted[..., None]
     distance, _ = caster.hits(start.reshape(-1, 3), ray.reshape(-1, 3))
-    error = np.abs(distance.reshape(wanted.shape) + mount - wanted)
+    error = np.abs(distance.reshape(wanted.shape) + begin - wanted)
+    mount = OFFSET_PER_EXTENT * caster.extent
     # Float32 is good for a third of the mount.
     same: Bools = (error < np.maximum(0.1 * rings, mount)[..., None]).all(axis=(1, 2))
     return same

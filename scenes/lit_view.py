@@ -23,7 +23,7 @@ def shows_light(camera: Camera, light: Light, surfaces: RayCaster, casters: RayC
         surfaces: All of the scene.
         casters: What casts shadows.
     """
-    rays = _rays(camera)
+    rays = view_rays(camera, ACROSS, DOWN)
     eye = np.asarray(camera.position, float)
     distances, triangles = surfaces.hits(np.broadcast_to(eye, rays.shape), rays)
     struck = np.isfinite(distances)
@@ -34,24 +34,24 @@ def shows_light(camera: Camera, light: Light, surfaces: RayCaster, casters: RayC
     faced = lengths > 0
     points, normals = points[faced], normals[faced] / lengths[faced, None]
     normals *= np.where(np.einsum("ij,ij->i", normals, rays[struck][faced]) > 0, -1.0, 1.0)[:, None]
-    reached = _in_reach(points, light)
+    reached = in_reach(points, light)
     return int(np.count_nonzero(casters.lit(points[reached], normals[reached], light))) >= LEAST_LIT
 
 
-def _rays(camera: Camera) -> Array:
-    """(n, 3) unit directions, evenly spread over the view."""
+def view_rays(camera: Camera, across: int, down: int) -> Array:
+    """(down * across, 3) unit directions, evenly spread over a view of 16 to 9, top row first."""
     forward, up = np.asarray(camera.forward, float), np.asarray(camera.up, float)
     right = np.cross(forward, up)
     half = np.tan(camera.yfov_rad / 2)
-    x = (np.arange(ACROSS) + 0.5) / ACROSS * 2 - 1
-    y = (np.arange(DOWN) + 0.5) / DOWN * 2 - 1
-    across, down = (one.ravel() for one in np.meshgrid(x * half * ASPECT, y * half))
-    rays = forward + across[:, None] * right + down[:, None] * up
+    x = (np.arange(across) + 0.5) / across * 2 - 1
+    y = 1 - (np.arange(down) + 0.5) / down * 2
+    aside, above = (one.ravel() for one in np.meshgrid(x * half * ASPECT, y * half))
+    rays = forward + aside[:, None] * right + above[:, None] * up
     unit: Array = rays / np.linalg.norm(rays, axis=1, keepdims=True)
     return unit
 
 
-def _in_reach(points: Array, light: Light) -> npt.NDArray[np.bool_]:
+def in_reach(points: Array, light: Light) -> npt.NDArray[np.bool_]:
     """(n,) bool: within range and cone."""
     if light.kind is LightKind.DIRECTIONAL:
         return np.ones(len(points), bool)

@@ -49,6 +49,10 @@ class RayCaster:
     def __init__(self, scene: Scene, *, casters_only: bool = True) -> None:
         meshes = [mesh for mesh in scene.meshes if mesh.casts or not casters_only]
         self._vertices, self._triangles = _merged(meshes)
+        self._casts = _by_triangle([np.full(len(mesh.placements), mesh.casts) for mesh in meshes], meshes)
+        self._mirrored = _by_triangle(
+            [np.linalg.det(mesh.placements[:, :3, :3]) < 0 for mesh in meshes], meshes
+        )
         used = self._vertices[np.unique(self._triangles)]
         assert np.isfinite(used).all(), "a reader let a position through that is not finite"
         low, high = (used.min(axis=0), used.max(axis=0)) if len(used) else (np.zeros(3), np.zeros(3))
@@ -115,6 +119,26 @@ class RayCaster:
         corners: Array = self._vertices[self._triangles[triangle]]
         return corners
 
+    def casts(self, triangle: Indices) -> Bools:
+        """(n,) bool: whether the numbered triangles cast shadows."""
+        casts: Bools = self._casts[triangle]
+        return casts
+
+    def strikes_back(self, triangle: Indices, directions: Array) -> Bools:
+        """(n,) bool: whether rays strike the back of a face that casts; other faces have none.
+
+        Args:
+            triangle: (n,) what each ray strikes.
+            directions: (n, 3) float64.
+
+        The front is where corners run counter-clockwise; placements that mirror are undone.
+        """
+        corners = self.corners(triangle)
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        along = np.einsum("ij,ij->i", normals, directions)
+        backs: Bools = self._casts[triangle] & (np.where(self._mirrored[triangle], -along, along) > 0)
+        return backs
+
     def _occluded(self, points: Array, normals: Array, light: Light, position_error: Array) -> Bools:
         assert self._embree is not None
         point_light = light.homogeneous[3] > 0
@@ -159,6 +183,14 @@ def _merged(meshes: list[Mesh]) -> tuple[Array, npt.NDArray[np.int32]]:
         triangles.append((mesh.triangles[None].astype(np.int64) + first[:, None, None]).reshape(-1, 3))
         start += copies * count
     return np.concatenate(vertices), np.concatenate(triangles).astype(np.int32)
+
+
+def _by_triangle(of_placements: list[Bools], meshes: list[Mesh]) -> Bools:
+    """(t,) bool: what holds for each placement of each mesh, for each of its triangles."""
+    repeated = [
+        np.repeat(flags, len(mesh.triangles)) for flags, mesh in zip(of_placements, meshes, strict=True)
+    ]
+    return np.concatenate([np.zeros(0, bool), *repeated])
 
 
 def _embree_scene(vertices: npt.NDArray[np.float32], triangles: npt.NDArray[np.int32]) -> EmbreeScene:

@@ -16,7 +16,9 @@ from selector.measurement import LightMeasurement, Status
 from selector.measuring import Bench, OnPicture, OnStep, Plan
 from selector.recommendation import DEFAULT_MAX_EDGE_ERROR_PX, Recommendation, recommend
 
-STRIKES_NOTHING = "It strikes no surface within its reach, so there is no view of it."
+STRIKES_NOTHING = (
+    "It strikes no surface within its reach that is seen from inside the level, so there is no view of it."
+)
 
 
 @dataclass(frozen=True)
@@ -78,8 +80,8 @@ def seen_lights(
 ) -> tuple[SeenLight, ...]:
     """Each light with its views: `cameras`, else those of the level's own that show what it lights.
 
-    Where none does, four viewpoints are made for the light. It has no views where it strikes nothing, or
-    where making viewpoints for it failed.
+    Where none does, four viewpoints are made for the light. It has no views where it strikes nothing that can
+    be seen from inside the level, or where making viewpoints for it failed.
     """
     if cameras:
         return tuple(SeenLight(light, tuple(cameras)) for light in lights)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 
@@ -57,32 +57,53 @@ class Runner:
             self.memory_bytes = self._pass.memory_bytes
 
     def judge(
-        self, light: Light, camera: Camera, truth: Reference, clock: StageClock, timeout_s: float
+        self,
+        light: Light,
+        camera: Camera,
+        truth: Reference,
+        clock: StageClock,
+        timeout_s: float,
+        *,
+        flip: bool = True,
     ) -> Shown | None:
-        """Render once, untimed: figures and counters are kept, what is seen is given; None on failure."""
+        """Render once, untimed: figures and counters are kept, what is seen is given.
+
+        None on failure, and without `flip`: then no picture is made, which spares a third of the time.
+        """
         assert self.status is Status.OK
         assert self._pass is not None
-        frame = self.frame
+        frame, picture = self.frame, None
         with self._surviving(light):
-            start = time.perf_counter()
-            outcome = self._pass.render(clock, rebuild=True)
-            frame.gpu.ctx.finish()
-            seconds = time.perf_counter() - start
-            frame.shade()
-            mask, picture = frame.read_mask(), frame.read_picture()
+            outcome, seconds = self._render(clock)
+            if flip:
+                frame.shade()
+                picture = frame.read_picture()
+            mask = frame.read_mask()
             counters = {name: int(count) for name, count in self._pass.count().items()}
         if self.status is not Status.OK:
             return None
-        figures = error_figures(mask, truth.lit, truth.domain, *truth.joined)
-        flip = mean_flip(picture, truth.picture)
-        fallback = "" if outcome.technique == self.candidate.technique else outcome.technique
-        run = ViewRun(camera.name, figures=figures, flip=flip, counters=counters, truth=truth.source)
-        self.views.append(replace(run, note="" if fallback else outcome.note, fallback=fallback))
-        self._count_only_as_itself(outcome, camera)
-        if self.status is Status.OK and seconds > timeout_s:
-            self.status = Status.TIMEOUT
-            self.reason = f"a frame took {seconds:.1f} s in view {camera.name}"
-        return Shown(picture, mask, truth)
+        run = ViewRun(
+            camera.name,
+            figures=error_figures(mask, truth.lit, truth.domain, *truth.joined),
+            flip=None if picture is None else mean_flip(picture, truth.picture),
+            counters=counters,
+            truth=truth.source,
+        )
+        self._keep(run, outcome, seconds, timeout_s)
+        return None if picture is None else Shown(picture, mask, truth)
+
+    def warm_up(self, light: Light, camera: Camera, clock: StageClock, timeout_s: float) -> None:
+        """Render once, untimed and unjudged, in place of `judge`: only the status is found out."""
+        assert self.status is Status.OK
+        with self._surviving(light):
+            outcome, seconds = self._render(clock)
+        if self.status is Status.OK:
+            self._keep(ViewRun(camera.name), outcome, seconds, timeout_s)
+
+    @property
+    def samples(self) -> Sequence[Sample]:
+        """Frames timed in the view that is not closed yet."""
+        return self._samples
 
     def time(self, light: Light, index: int, kind: ClockKind) -> None:
         """Time one frame as a dynamic and one as a static light, in round `index`."""
@@ -132,6 +153,22 @@ class Runner:
         """What was measured."""
         return Measurement(self.candidate, self.status, self.reason, self.memory_bytes, tuple(self.views))
 
+    def _render(self, clock: StageClock) -> tuple[Outcome, float]:
+        """What was done, and in how many seconds."""
+        assert self._pass is not None
+        start = time.perf_counter()
+        outcome = self._pass.render(clock, rebuild=True)
+        self.frame.gpu.ctx.finish()
+        return outcome, time.perf_counter() - start
+
+    def _keep(self, run: ViewRun, outcome: Outcome, seconds: float, timeout_s: float) -> None:
+        fallback = "" if outcome.technique == self.candidate.technique else outcome.technique
+        self.views.append(replace(run, note="" if fallback else outcome.note, fallback=fallback))
+        self._count_only_as_itself(outcome, self.frame.camera)
+        if self.status is Status.OK and seconds > timeout_s:
+            self.status = Status.TIMEOUT
+            self.reason = f"a frame took {seconds:.1f} s in view {run.camera}"
+
     def _count_only_as_itself(self, outcome: Outcome, camera: Camera) -> None:
         if outcome.technique != self.candidate.technique:
             self.status = Status.REFUSED
@@ -149,6 +186,8 @@ class Runner:
             self.status, self.reason = Status.OUT_OF_MEMORY, str(error)
         except DeviceError as error:
             self.status, self.reason = Status.GL_ERROR, str(error)
+        except MemoryError as error:
+            self.status, self.reason = Status.OUT_OF_MEMORY, str(error) or "there is no memory left"
         except Exception as error:  # noqa: BLE001  a bug in one technique must not cost the others' results
             self.frame.gpu.ctx.clear_errors()
             self.status, self.reason = Status.CRASHED, f"{type(error).__name__}: {error}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from rich import box
 from rich.console import Console
@@ -19,6 +20,7 @@ from scenes.scene import Camera, Light, LightKind, Mobility
 from scenes.shells import Shells
 
 NOTHING = "-"
+LONGEST_PATH = 4096
 NAME_WIDTH = 12
 """Columns that a long name keeps on a narrow screen."""
 KEPT_COLUMNS = 4
@@ -26,8 +28,8 @@ KEPT_COLUMNS = 4
 PADDING = 2
 
 
-def print_inspection(console: Console, inspection: Inspection) -> None:
-    """Summary, lights, cameras, what the reader noticed, what to expect."""
+def print_inspection(console: Console, inspection: Inspection, picture: Path | None = None) -> None:
+    """Summary, lights, cameras, what the reader noticed, what to expect, and the picture that was written."""
     level, scene = inspection.level, inspection.level.scene
     low, high = scene.bounds
     meshes = "1 mesh" if mesh_count(scene) == 1 else f"{mesh_count(scene):,} meshes"
@@ -50,6 +52,8 @@ def print_inspection(console: Console, inspection: Inspection) -> None:
     if scene.cameras:
         console.print(_camera_table(scene.cameras, console.width))
     _print_notes(console, inspection)
+    if picture is not None:
+        console.print(Text(f"Wrote {printable(str(picture), LONGEST_PATH)}."), soft_wrap=True)
 
 
 def _print_notes(console: Console, inspection: Inspection) -> None:

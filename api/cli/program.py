@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from api.cli.annotate import annotate
+from api.cli.benchmark import benchmark
 from api.cli.compare import compare
 from api.cli.corpus import corpus
 from api.cli.devices import devices
@@ -27,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (annotate, compare, inspect, render, thesis, corpus, devices):
+for command in (annotate, compare, inspect, render, thesis, corpus, benchmark, devices):
     app.command(
         cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=command in (annotate, compare))
     )(failing_cleanly(command))

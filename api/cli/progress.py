@@ -94,7 +94,7 @@ class MeasuringProgress:
         total = max(sum(self._steps), 1)
         light = min(self._light + 1, len(self._steps))
         state = f"{100 * done // total:3} %  {self._what} {light} of {len(self._steps)}"
-        remaining = _words(self._remaining(done, total)) if 0 < done < total else ""
+        remaining = time_left(self._remaining(done, total)) if 0 < done < total else ""
         if self._bar:
             shown = f"{state}  {remaining}" if remaining else state
             self._bar.update(self._task, completed=done, description=printable(what), state=shown)
@@ -107,7 +107,8 @@ class MeasuringProgress:
         return (time.monotonic() - self._start) / done * (total - done)
 
 
-def _words(seconds: float) -> str:
+def time_left(seconds: float) -> str:
+    """`about 20 min left`, in steps that do not jump about."""
     if seconds < 60:
         return f"about {max(5, 5 * round(seconds / 5))} s left"
     minutes = round(seconds / 60)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from scenes.corpus.close_grid import Space
 from scenes.corpus.draws import TURNS, Draws, Indices
-from scenes.corpus.occupancy import Occupancy
+from scenes.corpus.occupancy import leaving
 from scenes.corpus.spec import Standpoint
 from scenes.corpus.stage import Stage
 from scenes.scene import Array
@@ -15,13 +16,27 @@ from scenes.solids import GRID_M
 from scenes.thesis.skinned_solids import circle
 
 CANDIDATES = 40
+_CLOSE_CANDIDATES = 320
 YFOV_RAD = 0.9375
 ASPECT = 1.6
 
 _PULLED_IN = 0.85
-# Distance as a share of the room's diagonal: shortest and longest wanted; and elevations in 1/256 turns.
-_DISTANCES = {Standpoint.NEAR: (0.008, 0.08), Standpoint.FAR: (0.25, 1.0), Standpoint.VISTA: (0.2, 0.45)}
-_RISES = {Standpoint.NEAR: (6, 34), Standpoint.FAR: (6, 34), Standpoint.VISTA: (8, 26)}
+# Distance as a share of the room's diagonal, of that of the whole place for close ones: shortest and longest
+# wanted; and elevations in 1/256 turns.
+_DISTANCES = {
+    Standpoint.NEAR: (0.008, 0.08),
+    Standpoint.FAR: (0.25, 1.0),
+    Standpoint.VISTA: (0.2, 0.45),
+    Standpoint.CLOSE: (0.0015, 0.012),
+    Standpoint.REMOTE: (0.6, 1.5),
+}
+_RISES = {
+    Standpoint.NEAR: (6, 34),
+    Standpoint.FAR: (6, 34),
+    Standpoint.VISTA: (8, 26),
+    Standpoint.CLOSE: (-20, 56),
+    Standpoint.REMOTE: (8, 40),
+}
 _SHORTEST = 0.35
 _CELLS_AWAY = 1.75
 
@@ -38,22 +53,23 @@ class Views:
         return Views(self.eyes[index], self.targets[index])
 
 
-def candidate_views(stage: Stage, space: Occupancy, standpoint: Standpoint, draws: Draws) -> Views:
+def candidate_views(stage: Stage, space: Space, standpoint: Standpoint, draws: Draws) -> Views:
     """Eyes in the free space that see their targets; at least one."""
     if standpoint is Standpoint.VISTA and stage.vistas:
         eyes, targets = np.array(stage.vistas, dtype=np.float64).transpose(1, 0, 2)
         return Views(on_grid(eyes), on_grid(_in_sight(space, eyes, targets)))
     low, high = room_of(stage, space)
-    size = float(length(high - low))
-    targets = _targets(space, low, high, draws.of("targets"))
+    close = standpoint is Standpoint.CLOSE
+    size = space.extent if close else float(length(high - low))
+    targets = _targets(space, low, high, draws.of("targets"), _CLOSE_CANDIDATES if close else CANDIDATES)
     directions = risen(draws.of("directions"), len(targets), *_RISES[standpoint])
     nearest, farthest = _DISTANCES[standpoint]
     wanted = size * draws.of("distances").numbers(len(targets), nearest, farthest)
     # Nearer than a cell or two, an eye could be inside what the cell holds.
     wanted = np.maximum(wanted, _CELLS_AWAY * space.cell)
-    free = np.minimum(
-        space.first_hits(targets, directions, farthest * size), leaving(targets, directions, low, high)
-    )
+    free = space.first_hits(targets, directions, farthest * size)
+    if standpoint is not Standpoint.REMOTE:
+        free = np.minimum(free, leaving(targets, directions, low, high))
     reach = np.minimum(wanted, _PULLED_IN * free)
     eyes = targets + reach[:, None] * directions
     good = (reach > _SHORTEST * nearest * size) & space.is_free(eyes, outside=stage.start is None)
@@ -68,14 +84,15 @@ def nearer(views: Views, most: float) -> Views:
     return Views(on_grid(views.targets + share[:, None] * ways), views.targets)
 
 
-def room_of(stage: Stage, space: Occupancy) -> tuple[Array, Array]:
+def room_of(stage: Stage, space: Space) -> tuple[Array, Array]:
     """Lowest and highest corner of where eyes may be."""
     if stage.room is not None:
         return np.array(stage.room[0]), np.array(stage.room[1])
-    spans = np.array(space.opacity.shape) * space.cell
+    lowest, highest = space.bounds
+    spans = highest - lowest
     around = np.array([0.3, 0.0, 0.3]) * spans
     above = np.array([0.0, 0.5, 0.0]) * spans.max()
-    return space.low - around, space.low + spans + around + above
+    return lowest - around, highest + around + above
 
 
 def risen(draws: Draws, count: int, lowest: int, highest: int) -> Array:
@@ -83,14 +100,6 @@ def risen(draws: Draws, count: int, lowest: int, highest: int) -> Array:
     azimuth = draws.turns(count)
     rise = circle(TURNS)[lowest + draws.below(count, highest - lowest + 1)]
     return np.stack([azimuth[:, 0] * rise[:, 0], rise[:, 1], azimuth[:, 1] * rise[:, 0]], axis=1)
-
-
-def leaving(points: Array, directions: Array, low: Array, high: Array) -> Array:
-    """(n,) metres until rays from inside a box leave it."""
-    safe = np.where(np.abs(directions) < 1e-9, 1e-9, directions)
-    ahead = np.maximum((low - points) / safe, (high - points) / safe)
-    lengths: Array = np.maximum(ahead.min(axis=1), 0.0)
-    return lengths
 
 
 def camera_rays(views: Views, columns: int, rows: int, part: float) -> Array:
@@ -126,18 +135,18 @@ def on_grid(points: Array) -> Array:
     return np.round(points / GRID_M) * GRID_M
 
 
-def _in_sight(space: Occupancy, eyes: Array, targets: Array) -> Array:
+def _in_sight(space: Space, eyes: Array, targets: Array) -> Array:
     """The targets, or what is in front of them: lights are placed around what is really seen."""
     ways = targets - eyes
     distances = length(ways)
     directions = unit(ways)
-    seen = space.first_hits(eyes, directions, float(distances.max())) - 1.5 * space.cell
+    seen = space.fronts(eyes, directions, float(distances.max()))
     return eyes + np.maximum(np.minimum(distances, seen), 0.25 * distances)[:, None] * directions
 
 
-def _targets(space: Occupancy, low: Array, high: Array, draws: Draws) -> Array:
+def _targets(space: Space, low: Array, high: Array, draws: Draws, count: int) -> Array:
     surfaces = space.surfaces()
     inside = np.all((surfaces > low) & (surfaces < high), axis=1)
     places = surfaces[inside] if inside.any() else surfaces
     assert len(places), "a place without surfaces beside free space"
-    return places[draws.below(CANDIDATES, len(places))]
+    return places[draws.below(count, len(places))]

@@ -6,9 +6,10 @@ from math import radians
 
 import numpy as np
 
-from scenes.corpus.cameras import Views, leaving, length, on_grid, risen, room_of, unit
+from scenes.corpus.cameras import Views, length, on_grid, risen, room_of, unit
+from scenes.corpus.close_grid import Space
 from scenes.corpus.draws import Draws
-from scenes.corpus.occupancy import Occupancy
+from scenes.corpus.occupancy import leaving
 from scenes.corpus.rigs import AT_THE_EYE
 from scenes.corpus.spec import Rig, Spec
 from scenes.corpus.stage import Stage
@@ -22,20 +23,23 @@ _WITHIN_REACH = 0.6
 _FALL_OFF = 0.875
 # How high, in 1/256 turns over the horizon; nearest, and how much farther, as shares of the room's diagonal.
 _OVER_THE_HORIZON: dict[Rig, tuple[tuple[int, int], float, float]] = {
-    Rig.FAR_LOW_SUN: ((3, 10), 0.6, 0.4),
+    Rig.FAR_LOW_SUN: ((3, 10), 0.6, 0.9),
     Rig.FROM_THE_SIDE: ((12, 36), 0.1, 0.5),
     Rig.OVERHEAD: ((44, 60), 0.15, 0.6),
 }
 _SUNS: dict[Rig, Color] = {Rig.FAR_LOW_SUN: (1.0, 0.72, 0.46)}
 _LAMPS: tuple[Color, ...] = ((1.0, 0.94, 0.82), (1.0, 0.82, 0.58), (0.86, 0.92, 1.0), (1.0, 0.88, 0.70))
-_IN_THE_ROOM = (Rig.MINERS_LAMP, Rig.OVER_THE_SHOULDER, Rig.BETWEEN)
+_IN_THE_ROOM = (Rig.MINERS_LAMP, Rig.OVER_THE_SHOULDER, Rig.BETWEEN, Rig.AT_THE_WALL)
+# From what is lit, as shares of the diagonal of the place.
+_AT_THE_WALL = (0.001, 0.009)
 _DAYLIGHT: Color = (1.0, 0.95, 0.86)
 
 
-def light_places(stage: Stage, space: Occupancy, views: Views, spec: Spec, draws: Draws) -> Array:
+def light_places(stage: Stage, space: Space, views: Views, spec: Spec, draws: Draws) -> Array:
     """(n, 3) where the light of each view is; for a sun, its target plus the way towards it.
 
-    Lamps stay in the room, in front of what stands between them and the target, and near enough to reach it.
+    Lamps stay in the room, in front of what stands between them and the target, and near enough to reach it;
+    only one that stands for a low sun may be far outside, where there is an outside.
     """
     rig, kind = spec.rig, spec.kind
     if stage.lamps is not None and rig not in _IN_THE_ROOM and spec.reach is None:
@@ -45,9 +49,9 @@ def light_places(stage: Stage, space: Occupancy, views: Views, spec: Spec, draws
         return views.targets + _snapped_ways(ways)
     low, high = room_of(stage, space)
     anchors = views.eyes if rig in AT_THE_EYE else views.targets
-    free = np.minimum(
-        space.first_hits(anchors, ways, float(distances.max())), leaving(anchors, ways, low, high)
-    )
+    free = space.first_hits(anchors, ways, float(distances.max()))
+    if rig is not Rig.FAR_LOW_SUN or stage.start is not None:
+        free = np.minimum(free, leaving(anchors, ways, low, high))
     reach = np.minimum(distances, _PULLED_IN * free)
     if spec.reach is not None:
         within = _WITHIN_REACH / 2 if rig in AT_THE_EYE else _WITHIN_REACH
@@ -81,7 +85,7 @@ def light_of(spec: Spec, name: str, place: Array, view: Views, extent: float, dr
     )
 
 
-def _wishes(stage: Stage, space: Occupancy, views: Views, rig: Rig, draws: Draws) -> tuple[Array, Array]:
+def _wishes(stage: Stage, space: Space, views: Views, rig: Rig, draws: Draws) -> tuple[Array, Array]:
     """(n, 3) unit ways from the anchor, and (n,) metres along them."""
     low, high = room_of(stage, space)
     share = draws.of("share").numbers(len(views.eyes))
@@ -90,6 +94,9 @@ def _wishes(stage: Stage, space: Occupancy, views: Views, rig: Rig, draws: Draws
         distances = float(length(high - low)) * (nearest + farther * share)
         return risen(draws.of(rig), len(share), lowest, highest), distances
     aside = draws.of("aside").unit_vectors(len(share))
+    if rig is Rig.AT_THE_WALL:
+        nearest, farthest = _AT_THE_WALL
+        return unit(aside + 0.5 * _UP), space.extent * (nearest + (farthest - nearest) * share)
     return _beside_the_view(views, rig, aside, share)
 
 

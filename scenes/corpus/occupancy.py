@@ -30,6 +30,7 @@ _SOLID = 0.5
 _R2 = (0.7548776662466927, 0.5698402909980532)
 
 Floats = npt.NDArray[np.float32]
+Counts = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Occupancy:
         low: (3,) lowest corner of the grid, metres.
         cell: Side of a cell, metres.
         opacity: (a, b, c) float32: share of light that a cell stops.
-        free: (a, b, c) bool: cells that hang together with the sky or the start.
+        free: (a, b, c) bool: cells that hang together with the sky or the start, none of them underground.
     """
 
     low: Array
@@ -60,9 +61,8 @@ class Occupancy:
         # One cell of air on all sides, two above: what is outside hangs together.
         shape = tuple(int(count) for count in np.floor(spans / cell) + 4)
         corner = low - 1.5 * cell
-        filled = _filled(corners, corner, cell, shape)
-        opacity = (np.minimum(filled, _AREA_STEPS) / _AREA_STEPS).astype(np.float32)
-        return cls(corner, cell, opacity, _reached(filled > _AREA_STEPS // 4, corner, cell, start))
+        steps = filled(corners, corner, cell, shape)
+        return cls(corner, cell, opacity_of(steps), _reached(walled(steps), corner, cell, start))
 
     @property
     def extent(self) -> float:
@@ -70,7 +70,12 @@ class Occupancy:
         a, b, c = (count * self.cell for count in self.opacity.shape)
         return sqrt(a * a + b * b + c * c)
 
-    def indices(self, points: Array) -> tuple[npt.NDArray[np.int64], Bools]:
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest corner of the grid."""
+        return self.low, self.low + np.array(self.opacity.shape) * self.cell
+
+    def indices(self, points: Array) -> tuple[Counts, Bools]:
         """(..., 3) cells of (..., 3) points, clipped to the grid, and whether they are inside it."""
         cells = np.floor((points - self.low) / self.cell).astype(np.int64)
         clipped = np.clip(cells, 0, np.array(self.opacity.shape) - 1)
@@ -90,6 +95,10 @@ class Occupancy:
             passing = passing * (1.0 - _STRIDE * self._opacity(origins + step * stride * directions))
             distance = np.where((passing < _SOLID) & ~np.isfinite(distance), step * stride, distance)
         return distance
+
+    def fronts(self, origins: Array, directions: Array, most: float) -> Array:
+        """(n,) metres until right before what stops the rays; inf if nothing does."""
+        return self.first_hits(origins, directions, most) - 1.5 * self.cell
 
     def passing(self, origins: Array, directions: Array, lengths: Array) -> Array:
         """(n,) share of light that gets through along (n, 3) unit directions over (n,) metres."""
@@ -119,13 +128,15 @@ def world_corners(mesh: Mesh) -> Array:
     return corners
 
 
-def _filled(corners: Array, low: Array, cell: float, shape: tuple[int, ...]) -> npt.NDArray[np.int64]:
-    """How much area is in each cell, in steps of its face."""
+def filled(
+    corners: Array, low: Array, cell: float, shape: tuple[int, ...], samples_per_cell: int = _SAMPLES_PER_CELL
+) -> Counts:
+    """How much area of (t, 3, 3) corners is in each cell of a grid, in steps of a cell's face."""
     one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     normals = np.cross(one, other)
     squared = normals * normals
     areas = np.sqrt((squared[:, 0] + squared[:, 1]) + squared[:, 2]) / 2 / (cell * cell)
-    counts = np.floor(_SAMPLES_PER_CELL * areas).astype(np.int64) + 1
+    counts = np.floor(samples_per_cell * areas).astype(np.int64) + 1
     if counts.sum() > _MOST_SAMPLES:
         counts = np.maximum(counts * _MOST_SAMPLES // counts.sum(), 1)
     owner = np.repeat(np.arange(len(corners)), counts)
@@ -135,11 +146,39 @@ def _filled(corners: Array, low: Array, cell: float, shape: tuple[int, ...]) -> 
     u, v = np.where(folded, 1.0 - u, u), np.where(folded, 1.0 - v, v)
     points = corners[owner, 0] + u[:, None] * one[owner] + v[:, None] * other[owner]
     cells = np.floor((points - low) / cell).astype(np.int64)
-    flat = (cells[:, 0] * shape[1] + cells[:, 1]) * shape[2] + cells[:, 2]
+    inside = ((cells >= 0) & (cells < shape)).all(axis=1)
+    flat = (cells[inside, 0] * shape[1] + cells[inside, 1]) * shape[2] + cells[inside, 2]
     steps = np.round(np.minimum(areas / counts, 1.0) * _AREA_STEPS).astype(np.int64)
     # Sums of whole numbers below 2^53 are exact in any order.
-    sums = np.bincount(flat, weights=steps[owner].astype(np.float64), minlength=int(np.prod(shape)))
+    weights = steps[owner[inside]].astype(np.float64)
+    sums = np.bincount(flat, weights=weights, minlength=int(np.prod(shape)))
     return sums.astype(np.int64).reshape(shape)
+
+
+def opacity_of(steps: Counts) -> Floats:
+    """Share of light that each cell stops, from its area in steps."""
+    return (np.minimum(steps, _AREA_STEPS) / _AREA_STEPS).astype(np.float32)
+
+
+def walled(steps: Counts) -> Bools:
+    """Cells that hold so much that nobody gets through."""
+    return steps > _AREA_STEPS // 4
+
+
+def leaving(points: Array, directions: Array, low: Array, high: Array) -> Array:
+    """(n,) metres until rays from inside a box leave it."""
+    safe = np.where(np.abs(directions) < 1e-9, 1e-9, directions)
+    ahead = np.maximum((low - points) / safe, (high - points) / safe)
+    lengths: Array = np.maximum(ahead.min(axis=1), 0.0)
+    return lengths
+
+
+def entering(points: Array, directions: Array, low: Array, high: Array) -> Array:
+    """(n,) metres until rays reach a box; 0 from inside it, and where they miss it."""
+    safe = np.where(np.abs(directions) < 1e-9, 1e-9, directions)
+    one, other = (low - points) / safe, (high - points) / safe
+    first, last = np.minimum(one, other).max(axis=1), np.maximum(one, other).min(axis=1)
+    return np.where((first < last) & (first > 0.0), first, 0.0)
 
 
 def _reached(filled: Bools, low: Array, cell: float, start: Point | None) -> Bools:
@@ -148,4 +187,14 @@ def _reached(filled: Bools, low: Array, cell: float, start: Point | None) -> Boo
     label = labels[first]
     assert label, f"the start {start} is not in free space"
     reached: Bools = labels == label
+    if start is None:
+        reached &= ~_under_the_ground(filled)
     return reached
+
+
+def _under_the_ground(filled: Bools) -> Bools:
+    """Cells with something over them and nothing below: the ground may be a single sheet."""
+    above = np.logical_or.accumulate(filled[:, ::-1], axis=1)[:, ::-1]
+    below = np.logical_or.accumulate(filled, axis=1)
+    under: Bools = above & ~below
+    return under

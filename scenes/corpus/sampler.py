@@ -8,8 +8,8 @@ from typing import TypeVar
 
 from scenes.corpus.draws import Draws
 from scenes.corpus.registry import Family, families
-from scenes.corpus.rigs import SUN_RIGS
-from scenes.corpus.spec import MOST_CAMERAS, STEPS, Closure, Rig, Spec, Standpoint
+from scenes.corpus.rigs import RIGS
+from scenes.corpus.spec import MOST_CAMERAS, STEPS, Closure, Spec, Standpoint
 from scenes.scene import LightKind
 
 Value = TypeVar("Value")
@@ -29,8 +29,11 @@ CUT_OFF_BINS_DEG = (
     (50.0, 65.0),
     (65.0, 80.0),
 )
-REACHES = (None, None, None, 0.04, 0.07, 0.15, 0.3, 0.6, 1.2, 1.8)
+REACHES = (None, None, None, 0.02, 0.04, 0.07, 0.15, 0.3, 0.6, 1.2, 1.8)
 LIGHTS = (1, 1, 1, 2, 3, 5, 12, 40, 64)
+# Most views are from where people stand.
+STANDPOINTS_INDOORS = (*2 * (Standpoint.VISTA, Standpoint.NEAR, Standpoint.FAR), Standpoint.CLOSE)
+STANDPOINTS = (*STANDPOINTS_INDOORS, Standpoint.REMOTE)
 MERGED = (False, False, False, False, True)
 CLOSURES = (Closure.AS_BUILT, Closure.AS_BUILT, Closure.AS_BUILT, Closure.BOTTOMLESS, Closure.FLIPPED)
 _DEGREE_STEPS = 4
@@ -78,7 +81,6 @@ class Sampler:
         self._dealt += 1
         family = families()[name]
         kind = self._deal(f"kind of {name}", family.KINDS)
-        rigs = SUN_RIGS if kind is LightKind.DIRECTIONAL else tuple(Rig)
         low, high = self._deal("cut-off", CUT_OFF_BINS_DEG)
         steps = round((high - low) * _DEGREE_STEPS)
         return Spec(
@@ -91,8 +93,10 @@ class Sampler:
             kind=kind,
             cut_off_deg=low + self._draws.one_below(steps + 1) / _DEGREE_STEPS,
             reach=None if kind is LightKind.DIRECTIONAL else self._deal("reach", REACHES),
-            rig=self._deal(f"rig of {kind}", rigs),
-            standpoint=self._deal(f"standpoint of {name}", tuple(Standpoint)),
+            rig=self._deal(f"rig of {kind}", RIGS[kind]),
+            standpoint=self._deal(
+                f"standpoint of {name}", STANDPOINTS_INDOORS if family.INDOOR else STANDPOINTS
+            ),
             merged=self._deal("merged", MERGED),
             lights=self._deal("lights", LIGHTS),
             cameras=self._deal("cameras", range(1, MOST_CAMERAS)),

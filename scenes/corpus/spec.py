@@ -43,14 +43,21 @@ class Rig(StrEnum):
     FROM_THE_SIDE = "from_the_side"
     FAR_LOW_SUN = "far_low_sun"
     OVERHEAD = "overhead"
+    AT_THE_WALL = "at_the_wall"
 
 
 class Standpoint(StrEnum):
-    """Where the camera is: what the family thinks best, close to a shadow, or far from it."""
+    """Where the camera is.
+
+    A vista is what the family thinks best; near and far are from shadows; close is right before a surface,
+    and remote so far out that all is in view.
+    """
 
     VISTA = "vista"
     NEAR = "near"
     FAR = "far"
+    CLOSE = "close"
+    REMOTE = "remote"
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,12 @@ SECTIONS = {
 def options(command: str) -> list[str]:
     group = get_command(app)
     parameters = group.commands[command].params  # type: ignore[attr-defined]
-    return [name for parameter in parameters for name in parameter.opts if name.startswith("-")]
+    return [
+        name
+        for parameter in parameters
+        for name in (*parameter.opts, *parameter.secondary_opts)
+        if name.startswith("-")
+    ]
 
 
 def shown_json(command: str) -> object:
@@ -36,7 +41,9 @@ def shown_json(command: str) -> object:
 
 
 def test_every_command_has_a_section() -> None:
-    assert set(COMMANDS) == {"annotate", "compare", "inspect", "render", "thesis", "devices", "corpus"}
+    assert set(COMMANDS) == {
+        *("annotate", "compare", "inspect", "render", "thesis", "devices", "corpus", "benchmark")
+    }
     assert set(COMMANDS) <= set(SECTIONS)
 
 
@@ -83,6 +90,10 @@ def test_the_json_that_is_shown_has_the_keys_that_come_out(command: str, tmp_pat
         "render": [level, "--resolution", "96x64", "-t", "SV", "-o", tmp_path / "p.png"],
         "thesis": ["--only", "O10", "--no-times", "--resolution", "80x64"],
         "corpus": [],
+        "benchmark": [
+            *("--corpus", level, "--resolution", "96x64", "-t", "SV", "--lights", 1, "--views", 1),
+            *("--store", tmp_path / "evidence.sqlite"),
+        ],
         "devices": [],
     }
     assert keys(shown_json(command)) == keys(answered(command, *arguments[command]))

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from api.inspection import Inspection
+from scenes.formats.registry import read_level
 from scenes.scene import Mesh, Scene
 from scenes.shells import Shells
 from tests.api.command import answered, gnomon, started
@@ -80,6 +82,14 @@ def test_json_holds_everything(tmp_path: Path) -> None:
 def test_it_says_what_to_expect(tmp_path: Path, scene: Scene, words: str) -> None:
     record = answered("inspect", small_level(tmp_path, scene=scene))
     assert any(words in remark for remark in record["remarks"]), record["remarks"]
+
+
+def test_a_promise_of_closed_geometry_that_is_not_kept_is_told(tmp_path: Path) -> None:
+    level = read_level(small_level(tmp_path))
+    promised = tuple(replace(mesh, promised_closed=True) for mesh in level.scene.meshes)
+    remarks = Inspection.of(replace(level, scene=replace(level.scene, meshes=promised))).remarks
+    assert any(remark.startswith("3 triangles in open shells, of meshes that") for remark in remarks)
+    assert not any("promise" in remark for remark in Inspection.of(level).remarks)
 
 
 def test_names_cannot_write_on_the_terminal(tmp_path: Path) -> None:

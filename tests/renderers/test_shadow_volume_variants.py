@@ -183,19 +183,6 @@ def test_crow_refuses_open_geometry_and_is_wrong_there_where_the_default_is_righ
             assert found.wrong_share <= tolerances.VOLUME_WRONG_SHARE
 
 
-def test_the_boxes_of_placements_hold_what_is_drawn_however_few_are_expanded_at_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    stray = box((0, 1, 0), (1, 2, 1))
-    positions = np.vstack([stray.positions, [[90, 90, 90]]])
-    placements = np.stack([placed(offset=(5.0 * step, 0, step)) for step in range(7)])
-    mesh = Mesh("row, and a vertex of no face", positions, stray.triangles, placements)
-    monkeypatch.setattr("renderers.volume_closure.EXPANDED_AT_ONCE", 17)
-    found, drawn = closure(mesh), mesh.world_positions()[:, :-1]
-    assert np.array_equal(found.low, drawn.min(axis=1))
-    assert np.array_equal(found.high, drawn.max(axis=1))
-
-
 @pytest.mark.parametrize(
     "mesh", [klein_bottle(), moebius_strip(), plane((0, 1, 0), 1.0)], ids=lambda m: m.name
 )

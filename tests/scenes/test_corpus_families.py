@@ -16,8 +16,9 @@ from scenes.corpus.registry import families, load_families
 from scenes.corpus.spec import STEPS, Closure, Spec
 from scenes.corpus.staging import built, instance
 from scenes.gltf.writer import glb_bytes
-from scenes.scene import LightKind, Scene
+from scenes.scene import Scene
 from scenes.solids import GRID_M
+from tests.scenes.corpus_digests import RECORDED, made, small
 from tests.tolerances import CORPUS_BUDGET, CORPUS_LARGEST_M
 
 ROOT = Path(__file__).parents[2]
@@ -127,17 +128,15 @@ def test_a_spec_has_one_digest(name: str) -> None:
 
 def test_digests_are_those_of_every_machine() -> None:
     """Recorded once; other processors, libraries and Python versions must give the same."""
-    recorded = (ROOT / "tests/scenes/corpus_digests.txt").read_text().split("\n")
-    made = [f"{name} {instance(_small(name)).digest}" for name in families()]
-    assert made == [line for line in recorded if line]
+    assert made() == RECORDED.read_text()
 
 
 def test_digests_do_not_depend_on_the_processor() -> None:
     """The same in a process in which NumPy may not use the vector instructions of this one."""
     names = ["forest", "cathedral", "rocky_terrain", "cave"]
     code = (
-        "from tests.scenes.test_corpus_families import _small, instance\n"
-        f"print([instance(_small(name)).digest for name in {names}])"
+        "from tests.scenes.corpus_digests import instance, small\n"
+        f"print([instance(small(name)).digest for name in {names}])"
     )
     environment = {
         "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
@@ -151,12 +150,12 @@ def test_digests_do_not_depend_on_the_processor() -> None:
         text=True,
         check=True,
     )
-    assert plain.stdout.strip() == str([instance(_small(name)).digest for name in names])
+    assert plain.stdout.strip() == str([instance(small(name)).digest for name in names])
 
 
 def test_indoor_families_have_no_start_in_the_open() -> None:
     for name, family in families().items():
-        stage = built(_small(name))
+        stage = built(small(name))
         assert (stage.start is not None) == family.INDOOR, name
 
 
@@ -171,9 +170,3 @@ def test_a_new_family_is_one_new_file(tmp_path: Path, monkeypatch: pytest.Monkey
     (package / "broken.py").write_text("SUMMARY = 'nothing else'\n")
     with pytest.raises(TypeError, match="lacks"):
         load_families([str(package)], "more_families")
-
-
-def _small(name: str) -> Spec:
-    family = families()[name]
-    kind = LightKind.DIRECTIONAL if not family.INDOOR else family.KINDS[0]
-    return Spec(name, seed=11, triangles=min(4 * family.TRIANGLES[0], 20_000), kind=kind)

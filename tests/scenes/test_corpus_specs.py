@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from scenes.corpus.corpora import CORPORA, corpus
 from scenes.corpus.registry import families
-from scenes.corpus.rigs import SUN_RIGS
+from scenes.corpus.rigs import RIGS
 from scenes.corpus.sampler import CUT_OFF_BINS_DEG, REACHES, TRIANGLE_BINS, Sampler
 from scenes.corpus.spec import STEPS, Closure, Rig, Spec, SpecError, Standpoint
 from scenes.corpus.staging import instance
@@ -97,7 +97,9 @@ def test_what_is_no_spec_is_refused(text: str) -> None:
         (Spec("atlantis"), 'no family "atlantis"'),
         (Spec("water_tower", triangles=100), "8,000 to 1,000,000 triangles"),
         (Spec("cave", kind=LightKind.DIRECTIONAL, rig=Rig.OVERHEAD), "not lit by a directional light"),
-        (Spec("forest", kind=LightKind.DIRECTIONAL, rig=Rig.BETWEEN), "its rig cannot be between"),
+        (Spec("forest", kind=LightKind.DIRECTIONAL, rig=Rig.BETWEEN), "directional light cannot be between"),
+        (Spec("forest", rig=Rig.AT_THE_WALL), "spot light cannot be at_the_wall"),
+        (Spec("cave", kind=LightKind.POINT, standpoint=Standpoint.REMOTE), "its camera cannot be remote"),
         (Spec("forest", set_up="Figure 99"), 'no set-up "Figure 99"'),
     ],
 )
@@ -115,7 +117,8 @@ def test_a_corpus_is_a_list_of_distinct_good_specs(name: str) -> None:
         if not spec.set_up:
             assert family.TRIANGLES[0] <= spec.triangles <= family.TRIANGLES[1]
             assert spec.kind in family.KINDS
-            assert spec.kind is not LightKind.DIRECTIONAL or spec.rig in SUN_RIGS
+            assert spec.rig in RIGS[spec.kind]
+            assert spec.standpoint is not Standpoint.REMOTE or not family.INDOOR
 
 
 def test_sizes_of_the_corpora() -> None:
@@ -155,7 +158,7 @@ def test_the_standard_corpus_reaches_every_bin_of_every_axis() -> None:
     for low, high in CUT_OFF_BINS_DEG:
         assert sum(low <= angle <= high for angle in spots) > len(spots) / 20
     pairs = Counter((spec.kind, spec.rig) for spec in specs)
-    assert len(pairs) == 2 * len(Rig) + len(SUN_RIGS)
+    assert len(pairs) == sum(map(len, RIGS.values()))
     assert min(pairs.values()) > 20
 
 

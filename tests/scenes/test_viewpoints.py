@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from scenes.formats import registry
 from scenes.ray_caster import RayCaster
 from scenes.scene import Array, Camera, Light, LightKind, Mesh, Scene
-from scenes.viewpoints import viewpoints
+from scenes.viewpoints import RULES, viewpoints
 from tests import tolerances
 
 LEVELS = Path(__file__).parents[2] / "../shared/levels"
-RULES = ("over the shoulder", "facing the light", "from the side", "overview")
 CORNERS = np.array([[x, y, z] for x in (0.0, 1) for y in (0.0, 1) for z in (0.0, 1)])
 SIDES = np.array(
     [
@@ -222,12 +221,52 @@ def test_the_rules_keep_their_names() -> None:
     assert overview[1] == pytest.approx(-np.sqrt(0.5), abs=tolerances.VIEWED)
 
 
-def test_the_eye_is_a_mans_height_over_the_floor_where_the_scene_has_a_mans_size() -> None:
-    for scale, expected in ((1.0, 1.7), (1e-3, 4.5e-3)):
-        scene = Scene("room", (box([0, 0, 0], scale * np.array([20, 6, 40])),))
-        light = lamp((scale * 10, scale * 3, scale * 20))
-        for camera in viewpoints(scene, light)[1:3]:
-            assert camera.position[1] == pytest.approx(expected, rel=0.05)
+@pytest.mark.parametrize(
+    ("scale", "expected"),
+    # In other units than metres: 10 % and 1 % of the diagonal.
+    [(1.0, 1.6), (5.0, 1.6), (0.25, 1.6), (1e-3, 4.543e-3), (100.0, 45.43)],
+)
+def test_the_eye_is_a_mans_height_over_the_floor_where_the_scene_has_a_mans_size(
+    scale: float, expected: float
+) -> None:
+    scene = Scene("room", (box([0, 0, 0], scale * np.array([20, 8, 40])),))
+    light = lamp((scale * 10, scale * 3, scale * 20))
+    for camera in viewpoints(scene, light)[1:3]:
+        assert camera.position[1] == pytest.approx(expected, rel=tolerances.EYE_HEIGHT)
+
+
+def test_the_eye_stays_under_a_low_ceiling() -> None:
+    scene = Scene("crawl space", (box([0, 0, 0], [20, 1, 40]),))
+    for camera in viewpoints(scene, lamp((10.0, 0.5, 20.0))):
+        assert camera.position[1] <= 0.91
+    assert viewpoints(scene, lamp((10.0, 0.5, 20.0)))[1].position[1] == pytest.approx(0.9, abs=1e-3)
+
+
+def test_who_looks_at_a_lit_wall_stands_on_the_floor() -> None:
+    scene = Scene("room", (box([0, 0, 0], [12, 5, 16]),))
+    cameras = viewpoints(scene, spot((6, 2.5, 8), (1, 0, 0)))
+    points, normals, _ = looked_at(RayCaster(scene), cameras)
+    assert np.abs(normals[:, 0]).min() > 0.99
+    for camera in cameras[1:3]:
+        assert camera.position[1] == pytest.approx(1.6, rel=tolerances.EYE_HEIGHT)
+    assert cameras[3].position[1] > points[3, 1] + 1
+    assert cameras[3].forward[1] < -0.1
+
+
+@pytest.mark.parametrize("light", [sun([1, -1, 0.3]), lamp((0, 4, 3)), spot((-2, 5, 3), (0.3, -1, 0))])
+def test_an_overview_is_higher_than_who_stands(light: Light) -> None:
+    scene = Scene("yard", (floor(), box([-1, 0, -1], [1, 3, 1])))
+    _, facing, side, overview = viewpoints(scene, light)
+    assert overview.position[1] > 1.5 * max(facing.position[1], side.position[1])
+    assert overview.forward[1] < min(facing.forward[1], side.forward[1])
+
+
+def test_eyes_keep_above_steps() -> None:
+    steps = tuple(box([0, 0, -step - 1], [6, 0.2 * step, -step]) for step in range(1, 9))
+    scene = Scene("stairs", (box([-2, -1, -12], [8, 8, 6]), *steps))
+    for camera in viewpoints(scene, lamp((3.0, 5.0, -4.5)))[1:3]:
+        down, _ = RayCaster(scene).hits(np.array([camera.position]), np.array([[0.0, -1.0, 0.0]]))
+        assert down[0] == pytest.approx(1.6, rel=tolerances.EYE_HEIGHT)
 
 
 @pytest.mark.parametrize("light", [spot((1, 5, 1), (0, -1, 0)), sun([0, -1, 0]), lamp((1, 5, 1))])
@@ -262,10 +301,27 @@ def test_what_no_ray_of_the_fan_meets_is_found_by_its_triangles() -> None:
         (Scene("a line", (Mesh("m", CORNERS[[0, 1, 0]], np.array([[0, 1, 2]])),)), sun([0, -1, 0])),
         (Scene("floor", (floor(),)), spot((0, 3, 0), (0, 1, 0))),
         (Scene("floor", (floor(),)), lamp((0, 3, 0), range_m=2.9)),
+        (Scene("floor", (floor(),)), spot((900, 3, 0), (1, 0, 0), 0.2)),
     ],
 )
 def test_where_a_light_strikes_nothing_there_is_nothing_to_see(scene: Scene, light: Light) -> None:
     assert viewpoints(scene, light) == ()
+
+
+@pytest.mark.parametrize(
+    ("scene", "light"),
+    [
+        (Scene("a triangle", (Mesh("m", CORNERS[[0, 1, 5]], np.array([[0, 1, 2]])),)), lamp((0.3, 0.4, 2.0))),
+        (Scene("a triangle", (Mesh("m", CORNERS[[0, 1, 5]], np.array([[0, 1, 2]])),)), sun([0.1, -0.3, -1])),
+        (Scene("a wall", (box([-5, 0, -1], [5, 4, 0]),)), lamp((0.0, 2.0, 4.0))),
+        (Scene("a box with its lamp", (box([0, 0, 0], [4, 3, 5]),), (lamp((1, 2, 1)),)), lamp((1, 2, 1))),
+        (Scene("a far lamp", (floor(),)), spot((0, 900, 0), (0, -1, 0), 0.01)),
+    ],
+    ids=lambda value: value.name,
+)
+def test_odd_scenes_have_views_as_well(scene: Scene, light: Light) -> None:
+    cameras = viewpoints(scene, light)
+    check(scene, light, cameras)
 
 
 def test_a_caster_that_is_handed_in_changes_nothing() -> None:

@@ -1,0 +1,157 @@
+"""`gnomon benchmark`: measures many instances, and keeps what it finds in a store."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated
+
+import typer
+
+from api.cli import measuring_options as measuring
+from api.cli import options
+
+RESOLUTION = options.Resolution(640, 512)
+DEFAULT_CORPUS = "quick"
+PURPOSES = ("errors", "times", "both")
+DEFAULT_STORE = "gnomon-evidence.sqlite"
+_SECONDS = {"s": 1, "m": 60, "min": 60, "h": 3600}
+
+
+def parse_time_limit(text: str | float) -> float:
+    """`90s`, `20min` or `2h` as seconds.
+
+    Raises:
+        BadParameter: It is none of these, or no time at all.
+    """
+    match = re.fullmatch(r"(\d{1,6}(?:\.\d{1,3})?)\s*(s|m|min|h)", str(text))
+    if match is None or float(match[1]) == 0:
+        raise typer.BadParameter(f'"{text}" is not a time such as 90s, 20min or 2h.')
+    return float(match[1]) * _SECONDS[match[2]]
+
+
+def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
+    corpus: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--corpus",
+            metavar="NAME|PATH",
+            help="quick, standard or thesis; a level file, or a folder of them. May be given again.",
+            show_default=DEFAULT_CORPUS,
+        ),
+    ] = None,
+    purpose: Annotated[
+        str,
+        typer.Option(
+            "--purpose",
+            metavar="WHAT",
+            parser=options.one_of(*PURPOSES),
+            autocompletion=options.completing(*PURPOSES),
+            help="errors (and counters), times, or both, errors first.",
+        ),
+    ] = "both",
+    technique: measuring.Techniques = None,
+    rounds: Annotated[
+        int,
+        typer.Option(
+            "--rounds",
+            metavar="N",
+            parser=options.whole_number(1, 1000),
+            help="How often a candidate is timed at most; less where its rank is clear.",
+        ),
+    ] = 10,
+    resolution: options.Size = RESOLUTION,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(
+            "--time-limit",
+            metavar="TIME",
+            parser=parse_time_limit,
+            help="Begin no further instance after this, such as 20min or 2h.",
+            show_default="none",
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            metavar="N",
+            parser=options.whole_number(1, 256),
+            help="Processes that judge errors side by side; times are always taken alone.",
+            show_default="one a core",
+        ),
+    ] = None,
+    lights: Annotated[
+        int | None,
+        typer.Option(
+            "--lights",
+            metavar="N",
+            parser=options.whole_number(1, 100_000),
+            help="Of a level at most so many lights, spread evenly.",
+            show_default="all",
+        ),
+    ] = None,
+    views: Annotated[
+        int | None,
+        typer.Option(
+            "--views",
+            metavar="N",
+            parser=options.whole_number(1, 1000),
+            help="Of a level's light at most so many views.",
+            show_default="all",
+        ),
+    ] = None,
+    store: Annotated[
+        str, typer.Option("--store", metavar="PATH|URL", help="Where the evidence is kept.")
+    ] = DEFAULT_STORE,
+    seed: Annotated[
+        int,
+        typer.Option(
+            "--seed",
+            metavar="N",
+            parser=options.whole_number(0, 999_999_999),
+            help="Another order of the candidates in timed rounds.",
+        ),
+    ] = 1,
+    device: options.Device = None,
+    *,
+    test: Annotated[
+        bool, typer.Option("--test", help="Keep levels apart as test data: no model may learn from them.")
+    ] = False,
+    flip: Annotated[
+        bool, typer.Option("--flip", help="Compare pictures by FLIP too, for half as much time again.")
+    ] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume/--no-resume", help="Leave out what is fresh in the store.")
+    ] = True,
+    as_json: options.AsJson = False,
+) -> None:
+    """Measure many lights with every candidate, and keep all of it in a store of evidence.
+
+    Errors and counters are exact: they are judged by several processes side by side, on any machine at any
+    time. Times are taken one instance after the other, on a machine that should do nothing else. What is in
+    the store already is left out, so the command goes on where it was stopped.
+    """
+    # OpenGL is loaded by the commands that need it, so that --help is there at once.
+    from api.benchmarking import Request  # noqa: PLC0415
+    from api.cli.benchmark_run import run_benchmark  # noqa: PLC0415
+    from selector.evidence.rows import Purpose, Role  # noqa: PLC0415
+
+    request = Request(
+        sources=corpus or (DEFAULT_CORPUS,),
+        purposes=tuple(Purpose) if purpose == "both" else (Purpose(purpose),),
+        store=store,
+        width=resolution.width,
+        height=resolution.height,
+        techniques=tuple(technique or ()),
+        rounds=rounds,
+        time_limit_s=time_limit,
+        workers=workers,
+        device=device,
+        role=Role.TEST if test else Role.TRAINING,
+        lights=lights,
+        views=views,
+        seed=seed,
+        resume=resume,
+        flip=flip,
+    )
+    run_benchmark(request, as_json=as_json)
