@@ -225,7 +225,8 @@ class Crew:
                 member.verdict = Status.TIMEOUT, f"no answer within {self._bounds.silence_s[member.part]:g} s"
                 member.process.kill()
             elif (held := _resident_bytes(member.process)) > self._bounds.memory_bytes:
-                known = f"{held / 2**30:.1f} GiB of memory, {self._bounds.memory_bytes / 2**30:.1f} allowed"
+                allowed = f"{self._bounds.memory_bytes / 2**30:.1f} GiB allowed"
+                known = f"{held / 2**30:.1f} GiB of memory, {allowed}"
                 member.verdict = Status.OUT_OF_MEMORY, known
                 member.process.kill()
 

@@ -78,7 +78,8 @@ def test_the_body_holds_every_receiver(kind: LightKind, scale: float, seed: int,
     if view is not None:
         points = points[(points @ view[:, :3].T + view[:, 3] >= 0).all(axis=1)]
     if not len(body.planes):
-        assert not len(points)
+        # A box of no size, a single point in reach, has no surface to receive anything.
+        assert not len(points) or not np.ptp(points, axis=0).any()
         return
     assert (heights(body, points) >= -tolerances.MAP_PLACE * scale).all()
 

@@ -11,6 +11,7 @@ import pytest
 from scipy import ndimage
 
 from scenes.formats.registry import read_level
+from scenes.quake.brushes import polygons
 from scenes.quake.map_parser import parse_map
 from scenes.quake.textures import BrushKind, brush_kind
 from scenes.quake.units import UNITS_PER_M
@@ -32,10 +33,14 @@ pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the folder of real 
 
 @dataclass(frozen=True)
 class Brush:
-    """The inside of (f, 3) outward unit normals and (f,) distances, in Quake's units and axes."""
+    """The inside of (f, 3) outward unit normals and (f,) distances, in Quake's units and axes.
+
+    Its corners lie within the (2, 3) bounds.
+    """
 
     normals: Array
     distances: Array
+    bounds: Array
     kind: BrushKind
     of_world: bool
 
@@ -45,6 +50,9 @@ class Brush:
 
 def brushes(path: Path) -> list[Brush]:
     text = parse_map(path.read_bytes())
+    shapes = polygons(text)
+    loops = np.repeat(shapes.faces, np.diff(shapes.offsets))
+    corners = shapes.corners[shapes.loops]
     found = []
     for entity in text.entities:
         for brush in range(*entity.brushes):
@@ -57,7 +65,10 @@ def brushes(path: Path) -> list[Brush]:
             lengths = np.linalg.norm(normals, axis=1)
             points, normals = points[lengths > 0], normals[lengths > 0] / lengths[lengths > 0, None]
             distances = (normals * points[:, 0]).sum(axis=1)
-            found.append(Brush(normals, distances, kind, entity.kind == "worldspawn"))
+            own = corners[(loops >= faces.start) & (loops < faces.stop)]
+            if len(own):
+                bounds = np.stack([own.min(axis=0), own.max(axis=0)])
+                found.append(Brush(normals, distances, bounds, kind, entity.kind == "worldspawn"))
     return found
 
 
@@ -85,12 +96,15 @@ def outside_the_hull(solids: list[Brush], scene: Scene, points: Array) -> Bools:
     """(n,) bool: what floods the map from beyond its bounds, cell by cell, gets there."""
     low, high = np.sort(units(scene.bounds), axis=0) + np.array([[-4 * CELL], [4 * CELL]])
     axes = [np.arange(low[axis] + CELL / 2, high[axis], CELL) for axis in range(3)]
-    centres = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    filled = np.zeros(centres.shape[:3], bool)
+    filled = np.zeros([len(axis) for axis in axes], bool)
     for brush in solids:
         if brush.of_world:
+            first, last = np.floor((brush.bounds - low) / CELL).astype(int) + np.array([[-1], [2]])
+            near = tuple(slice(*ends) for ends in zip(first, last, strict=True))
+            ranges = [axis[part] for axis, part in zip(axes, near, strict=True)]
+            centres = np.stack(np.meshgrid(*ranges, indexing="ij"), axis=-1)
             grown = CELL / 2 * np.abs(brush.normals).sum(axis=1)
-            filled |= (brush.heights(centres) <= grown).all(axis=-1)
+            filled[near] |= (brush.heights(centres) <= grown).all(axis=-1)
     labels, _ = ndimage.label(~filled)
     cells = np.floor((points - low) / CELL).astype(int)
     found: Bools = labels[tuple(cells.T)] == labels[0, 0, 0]
