@@ -5,30 +5,44 @@ from __future__ import annotations
 from importlib.metadata import version
 from typing import Any
 
-from scenes.light_annotation import LightAnnotation
+from scenes.light_annotation import LightAnnotation, Scalar
+from selector.candidate import Candidate
 from selector.measurement import Measurement
 from selector.recommendation import Recommendation
 
 SOURCE = "measured"
+OF_MAPS = "map_size", "filter", "focus"
+"""Settings that engines set up a map by; the hybrid's map has no filter."""
 
 
 def annotation(recommendation: Recommendation) -> LightAnnotation:
     """Flat scalars for every engine, and the whole story for those that ask for it."""
-    settings = dict(recommendation.chosen.candidate.settings)
-    scalars: dict[str, str | float | int | bool] = {
-        "gnomon_technique": recommendation.chosen.candidate.method.label
-    }
-    if "map_size" in settings:
-        scalars["gnomon_map_size"] = settings["map_size"]
-        scalars["gnomon_filter"] = settings["filter"]
-        scalars["gnomon_focus"] = settings["focus"]
-    scalars["gnomon_shadow_ms"] = _short(recommendation.chosen.shadow_ms)
-    if recommendation.chosen.edge_error_px is not None:
-        scalars["gnomon_edge_error_px"] = _short(recommendation.chosen.edge_error_px)
-    if recommendation.confidence is not None:
-        scalars["gnomon_confidence"] = _short(recommendation.confidence)
-    scalars["gnomon_source"] = SOURCE
-    return LightAnnotation(scalars, story(recommendation))
+    chosen = recommendation.chosen
+    flat = scalars(
+        chosen.candidate, chosen.shadow_ms, chosen.edge_error_px, recommendation.confidence, source=SOURCE
+    )
+    return LightAnnotation(flat, story(recommendation))
+
+
+def scalars(
+    candidate: Candidate,
+    shadow_ms: float,
+    edge_error_px: float | None,
+    confidence: float | None,
+    *,
+    source: str,
+) -> dict[str, Scalar]:
+    """The flat scalars that stand at a light, by key; what is not known has none."""
+    settings = dict(candidate.settings)
+    found: dict[str, Scalar] = {"gnomon_technique": candidate.method.label}
+    found |= {f"gnomon_{name}": settings[name] for name in OF_MAPS if name in settings}
+    found["gnomon_shadow_ms"] = short(shadow_ms)
+    if edge_error_px is not None:
+        found["gnomon_edge_error_px"] = short(edge_error_px)
+    if confidence is not None:
+        found["gnomon_confidence"] = short(confidence)
+    found["gnomon_source"] = source
+    return found
 
 
 def story(recommendation: Recommendation) -> dict[str, Any]:
@@ -75,12 +89,12 @@ def _outcome(one: Measurement, recommendation: Recommendation) -> dict[str, Any]
         "wrongShare": one.figure("wrong_share"),
         "flip": one.figure("flip"),
     }
-    outcome |= {name: _short(value) for name, value in figures.items() if value is not None}
+    outcome |= {name: short(value) for name, value in figures.items() if value is not None}
     if one.memory_bytes:
         outcome["memoryBytes"] = one.memory_bytes
     return outcome
 
 
-def _short(value: float) -> float:
-    """Four significant digits: more would be noise, and noise in a level file is a diff."""
+def short(value: float) -> float:
+    """The value with four significant digits: more would be noise, and noise in a level file is a diff."""
     return float(f"{value:.4g}")

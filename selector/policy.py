@@ -83,17 +83,19 @@ class Policy:
 
 POLICIES: tuple[Policy, ...] = (Policy("speed", 4.0), Policy("balanced", 1.5), Policy("quality", 0.5))
 DEFAULT_POLICY = "balanced"
+CUSTOM = "custom"
+"""Name of a policy whose limit was given as a number."""
 
 
-def policy(name: str) -> Policy:
-    """The policy of this name.
+def policy(name: str, max_edge_error_px: float | None = None) -> Policy:
+    """The policy of this name; a custom one where another limit is given.
 
     Raises:
         UnknownPolicyError: There is none; the message lists those there are.
     """
     for known in POLICIES:
         if known.name == name.lower():
-            return known
+            return known if max_edge_error_px is None else Policy(CUSTOM, max_edge_error_px)
     names = ", ".join(one.name for one in POLICIES)
     raise UnknownPolicyError(f'There is no policy "{name}".', known=f"Known: {names}.")
 

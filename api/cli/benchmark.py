@@ -35,7 +35,7 @@ def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are it
         typer.Option(
             "--corpus",
             metavar="NAME|PATH",
-            help="quick, standard or thesis; a level file, or a folder of them. May be given again.",
+            help="quick, standard, further or thesis; a level file, or a folder of them. May be given again.",
             show_default=DEFAULT_CORPUS,
         ),
     ] = None,

@@ -26,7 +26,8 @@ def compare(  # noqa: PLR0913, PLR0917  the options of the command line are its 
     light: Annotated[list[str] | None, measuring.lights("the first 8")] = None,
     camera: measuring.Cameras = None,
     technique: measuring.Techniques = None,
-    max_edge_error_px: measuring.MaxEdgeError = measuring.DEFAULT_MAX_EDGE_ERROR_PX,
+    policy: measuring.PolicyName = measuring.DEFAULT_POLICY,
+    max_edge_error_px: measuring.MaxEdgeError = None,
     resolution: measuring.Size = options.DEFAULT_RESOLUTION,
     rounds: measuring.Rounds = measuring.DEFAULT_ROUNDS,
     mobility: measuring.Mobility = None,
@@ -49,6 +50,7 @@ def compare(  # noqa: PLR0913, PLR0917  the options of the command line are its 
     from scenes.scene import Mobility  # noqa: PLC0415
     from selector.level_measuring import Request  # noqa: PLC0415
     from selector.measuring import FLICKER_STEPS, Plan  # noqa: PLC0415
+    from selector.policy import policy as named_policy  # noqa: PLC0415
 
     order = Order(
         level=level,
@@ -57,7 +59,7 @@ def compare(  # noqa: PLR0913, PLR0917  the options of the command line are its 
         lights=light or (),
         cameras=camera or (),
         request=Request(
-            max_edge_error_px=max_edge_error_px,
+            max_edge_error_px=named_policy(policy, max_edge_error_px).max_edge_error_px,
             techniques=tuple(technique or ()),
             mobility=Mobility(mobility) if mobility else None,
             plan=Plan(

@@ -9,7 +9,7 @@ import typer
 
 from api.cli import options
 
-CORPORA = ("quick", "standard", "thesis")
+CORPORA = ("quick", "standard", "further", "thesis")
 
 
 def corpus(
@@ -20,7 +20,7 @@ def corpus(
             metavar="NAME",
             parser=options.one_of(*CORPORA),
             autocompletion=options.completing(*CORPORA),
-            help="Which corpus --stats looks at: quick, standard or thesis.",
+            help="Which corpus --stats looks at: quick, standard, further or thesis.",
         ),
     ] = "quick",
     levels: Annotated[

@@ -10,6 +10,8 @@ from api.cli import options
 
 PANEL = "What is measured"
 MOBILITIES = "static", "dynamic"
+POLICIES = "speed", "balanced", "quality"
+DEFAULT_POLICY = "balanced"
 
 
 def lights(default: str) -> typer.models.OptionInfo:
@@ -46,13 +48,26 @@ Techniques = Annotated[
         rich_help_panel=PANEL,
     ),
 ]
+PolicyName = Annotated[
+    str,
+    typer.Option(
+        "--policy",
+        metavar="NAME",
+        parser=options.one_of(*POLICIES),
+        autocompletion=options.completing(*POLICIES),
+        help="How far the edge of a shadow may be off: speed 4, balanced 1.5, quality 0.5 pixels. The "
+        "cheapest candidate within it wins.",
+        rich_help_panel=PANEL,
+    ),
+]
 MaxEdgeError = Annotated[
-    float,
+    float | None,
     typer.Option(
         "--max-edge-error-px",
         metavar="PX",
         parser=options.parse_pixels,
-        help="How far the edge of a shadow may be off, in pixels. The cheapest candidate within it wins.",
+        help="Another limit than the policy's, in pixels.",
+        show_default=False,
         rich_help_panel=PANEL,
     ),
 ]
@@ -96,4 +111,4 @@ Flicker = Annotated[
         rich_help_panel=PANEL,
     ),
 ]
-DEFAULT_MAX_EDGE_ERROR_PX, DEFAULT_ROUNDS = 1.5, 3
+DEFAULT_ROUNDS = 3

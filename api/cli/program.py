@@ -12,12 +12,17 @@ from api.cli.benchmark import benchmark
 from api.cli.compare import compare
 from api.cli.corpus import corpus
 from api.cli.devices import devices
+from api.cli.evaluate import evaluate
 from api.cli.evidence import evidence
 from api.cli.failures import epilog, failing_cleanly
+from api.cli.features import features
 from api.cli.help_pages import PlainCommand, PlainGroup, help_text
 from api.cli.inspect import inspect
+from api.cli.rebenchmark import rebenchmark
+from api.cli.recommend import recommend
 from api.cli.render import render
 from api.cli.thesis import thesis
+from api.cli.train import train
 
 app = typer.Typer(
     name="gnomon",
@@ -28,10 +33,15 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (annotate, compare, inspect, render, thesis, corpus, benchmark, devices):
-    app.command(
-        cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=command in (annotate, compare))
-    )(failing_cleanly(command))
+COMMANDS = (
+    *(annotate, recommend, compare, inspect, features, render),
+    *(thesis, corpus, benchmark, rebenchmark, train, evaluate, devices),
+)
+for command in COMMANDS:
+    annotates = command in (annotate, recommend, compare)
+    app.command(cls=PlainCommand, help=help_text(command), epilog=epilog(annotates=annotates))(
+        failing_cleanly(command)
+    )
 app.add_typer(evidence)
 
 

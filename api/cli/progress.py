@@ -26,19 +26,22 @@ class MeasuringProgress:
         console: Where it is shown.
         steps: Steps of each light, in the order in which they are measured.
         what: What stands in place of a light, in the singular.
+        patient: Whether nothing is said of what is done within seconds, where there is no terminal.
 
     The estimate is what the steps so far took on average: all lights of a level meet the same candidates,
     so that whole lights are alike, however much the steps within one differ.
     """
 
-    def __init__(self, console: Console, steps: list[int], what: str = "light") -> None:
+    def __init__(
+        self, console: Console, steps: list[int], what: str = "light", *, patient: bool = False
+    ) -> None:
         self._console = console
         self._what = what
         self._steps = steps
         self._light = 0
         self._begun = 0
         self._start = time.monotonic()
-        self._last_line = -SECONDS_BETWEEN_LINES
+        self._last_line = time.monotonic() if patient else -SECONDS_BETWEEN_LINES
         self._interruption = Interruption()
         self._bar: Progress | None = None
         if console.is_terminal:

@@ -10,8 +10,8 @@ from scenes.corpus.sampler import Sampler
 from scenes.corpus.spec import Spec, SpecError
 from scenes.thesis.set_ups import set_ups
 
-QUICK_SIZE, STANDARD_SIZE = 48, 1040
-_QUICK_TRIANGLES = 20_000
+QUICK_SIZE, STANDARD_SIZE, FURTHER_OF_EACH = 48, 1040, 6
+_QUICK_TRIANGLES, _FURTHER_TRIANGLES = 20_000, 100_000
 _SEED = 2005
 
 
@@ -27,6 +27,12 @@ def standard() -> tuple[Spec, ...]:
     return tuple(Sampler(_SEED + 1).specs(each * len(families())))
 
 
+def further() -> tuple[Spec, ...]:
+    """Six more instances of every family, of up to 100,000 triangles: more evidence for little time."""
+    sampler = Sampler(_SEED + 2, most_triangles=_FURTHER_TRIANGLES)
+    return tuple(sampler.specs(FURTHER_OF_EACH * len(families())))
+
+
 def thesis() -> tuple[Spec, ...]:
     """The set-ups behind the figures of the thesis."""
     return tuple(
@@ -37,7 +43,12 @@ def thesis() -> tuple[Spec, ...]:
 # The thesis' scenes and the families that were made after them.
 _FAMILY_OF = {"rocks": "stone_circles", "street": "plain_street", "room": "furnished_room", "tree": "forest"}
 
-CORPORA: dict[str, Callable[[], tuple[Spec, ...]]] = {"quick": quick, "standard": standard, "thesis": thesis}
+CORPORA: dict[str, Callable[[], tuple[Spec, ...]]] = {
+    "quick": quick,
+    "standard": standard,
+    "further": further,
+    "thesis": thesis,
+}
 
 
 @cache

@@ -50,10 +50,18 @@ class Order:
 
 @dataclass
 class _Case:
-    """A question that a worker is at."""
+    """A question that a worker is at.
+
+    Attributes:
+        task: The question.
+        row: It, as the store has it, once the worker has told.
+        barred: What failed when it was judged and is not timed. Kept last: how idle the machine was is asked
+            with the first result, over the time since the instance began.
+    """
 
     task: Task
     row: InstanceRow | None = None
+    barred: list[Timed] = field(default_factory=list)
 
 
 @dataclass
@@ -189,7 +197,7 @@ class Benchmark:
         if self.order.job.purpose is Purpose.TIMES:
             for key in sorted(wanted):
                 if failure := self._barred.get((word.instance.key, key)):
-                    self._keep(case, Timed(key, *failure))
+                    case.barred.append(Timed(key, *failure))
                     wanted.remove(key)
         return frozenset(wanted)
 
@@ -210,6 +218,8 @@ class Benchmark:
             self.score.failed.append((case.task.question.origin, word.reason))
             return
         assert case.row is not None
+        for word_of_barred in case.barred:
+            self._keep(case, word_of_barred)
         for part, seconds in word.seconds.items():
             self.score.seconds[part] += seconds
         if self.order.job.purpose is Purpose.TIMES:

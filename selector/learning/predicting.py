@@ -16,7 +16,7 @@ from models.expecting import interval, keeps_limit
 from models.performance import ERROR, Predicted
 from models.selector_model import SINGLE, SelectorModel
 from renderers.context import DeviceLimits
-from scenes.scene import Camera, Light, Mobility, View
+from scenes.scene import Camera, Light, LightKind, Mobility, View
 from selector.candidate import Candidate, candidates
 from selector.learning.dataset import Slot, rounded
 from selector.learning.odds import ahead
@@ -79,7 +79,6 @@ class Prediction:
     """What to use for one light, as far as can be told without rendering.
 
     Attributes:
-        light: The light.
         mobility: Whether times are those of a static or a dynamic light.
         question: The policy: its name and limit.
         chosen: The candidate to use.
@@ -93,7 +92,6 @@ class Prediction:
         features: Mean over views.
     """
 
-    light: Light
     mobility: Mobility
     question: Question
     chosen: Expected
@@ -107,58 +105,65 @@ class Prediction:
     features: Mapping[str, float]
 
 
-class Predictor:
-    """A model that is ready to be asked about the lights of a level.
+class Advisor:
+    """A model that is ready to be asked about lights whose features are known.
 
     Args:
         artifact: The model.
-        survey: The level.
 
     Raises:
         ModelError: It was learnt from other features than this program has.
     """
 
-    def __init__(self, artifact: Artifact, survey: LevelSurvey) -> None:
+    def __init__(self, artifact: Artifact) -> None:
         if artifact.features != NAMES or artifact.card.get("extractor") != extractor_version():
             raise ModelError(
                 "This model was learnt from other features than this version of Gnomon has.",
                 known=f"It was made by {str(artifact.card.get('generator', 'another program'))[:80]}.",
                 remedy="Train it again: `gnomon train`.",
             )
-        self._model, self._survey = artifact.model, survey
+        self._model = artifact.model
         self._card = artifact.card
         self._slots = _slots(artifact)
         limits = artifact.card["limits"]
         self._limits = DeviceLimits(int(limits["max_texture_side"]), int(limits["max_buffer_bytes"]))
 
-    def predict(
-        self, light: Light, views: Sequence[View], question: Question, labels: tuple[str, ...] = ()
+    def advise(
+        self, kind: LightKind, rows: Floats, question: Question, labels: tuple[str, ...] = ()
     ) -> Prediction | None:
-        """The answer for one light over some views; None where every candidate is refused.
+        """The answer for a light of which nothing is known but its features; None where no candidate is left.
+
+        What a technique refuses because of the level is not found out: nothing of the level is here.
 
         Args:
-            light: One of the level's lights.
-            views: What it is judged over.
+            kind: Of the light.
+            rows: (v, f) its features in each view, in the table's order.
             question: The policy, and the mobility, whose time counts.
             labels: Techniques to choose from; all where empty.
         """
-        scene = self._survey.scene
-        wanted = [
+        wanted = self._candidates(kind, labels)
+        return self._answer(rounded(rows), question, wanted, ()) if wanted else None
+
+    def _candidates(self, kind: LightKind, labels: tuple[str, ...]) -> list[Candidate]:
+        """Those that the model knows."""
+        return [
             one
-            for one in candidates(light.kind, self._limits, labels)
+            for one in candidates(kind, self._limits, labels)
             if Slot.of(one.technique, dict(one.settings)) in self._slots
         ]
-        reasons = {one: one.method.refuses(light, scene, self._limits, dict(one.settings)) for one in wanted}
-        left = [one for one in wanted if reasons[one] is None]
-        if not left:
-            return None
-        rows = rounded(np.array([list(extract(self._survey, light, view).values.values()) for view in views]))
+
+    def _answer(
+        self,
+        rows: Floats,
+        question: Question,
+        left: Sequence[Candidate],
+        refused: tuple[tuple[Candidate, str], ...],
+    ) -> Prediction:
         columns = np.array([self._slots.index(Slot.of(one.technique, dict(one.settings))) for one in left])
         expected = self._expected(rows, question, left, columns)
         ranked = sorted(expected, key=lambda one: (one.cost, one.shadow_ms))
         chosen, runner_up = ranked[0], ranked[1] if len(ranked) > 1 else None
         return Prediction(
-            light=light,
             mobility=Mobility(question.time),
             question=question,
             chosen=chosen,
@@ -166,7 +171,7 @@ class Predictor:
             margin=runner_up.cost / chosen.cost - 1 if runner_up else None,
             confidence=self._confidence(chosen, runner_up, question),
             expected=tuple(ranked),
-            refused=tuple((one, reason) for one, reason in reasons.items() if reason is not None),
+            refused=refused,
             deciding=self._deciding(rows, question, ranked, dict(zip(left, columns.tolist(), strict=True))),
             outside=self._outside(rows),
             features=dict(zip(NAMES, rows.mean(axis=0).tolist(), strict=True)),
@@ -256,6 +261,43 @@ class Predictor:
         return tuple(np.array(NAMES)[beyond.any(axis=0)].tolist())
 
 
+class Predictor(Advisor):
+    """A model that is ready to be asked about the lights of a level.
+
+    Args:
+        artifact: The model.
+        survey: The level.
+
+    Raises:
+        ModelError: It was learnt from other features than this program has.
+    """
+
+    def __init__(self, artifact: Artifact, survey: LevelSurvey) -> None:
+        super().__init__(artifact)
+        self._survey = survey
+
+    def predict(
+        self, light: Light, views: Sequence[View], question: Question, labels: tuple[str, ...] = ()
+    ) -> Prediction | None:
+        """The answer for one light over some views; None where every candidate is refused.
+
+        Args:
+            light: One of the level's lights.
+            views: What it is judged over.
+            question: The policy, and the mobility, whose time counts.
+            labels: Techniques to choose from; all where empty.
+        """
+        scene = self._survey.scene
+        wanted = self._candidates(light.kind, labels)
+        reasons = {one: one.method.refuses(light, scene, self._limits, dict(one.settings)) for one in wanted}
+        left = [one for one in wanted if reasons[one] is None]
+        if not left:
+            return None
+        rows = rounded(np.array([list(extract(self._survey, light, view).values.values()) for view in views]))
+        refused = tuple((one, reason) for one, reason in reasons.items() if reason is not None)
+        return self._answer(rows, question, left, refused)
+
+
 def reason(prediction: Prediction) -> str:
     """One or two sentences for a designer."""
     chosen, limit = prediction.chosen, prediction.question.limit
@@ -288,7 +330,7 @@ def _slots(artifact: Artifact) -> list[Slot]:
     """
     try:
         slots = [
-            Slot(str(one["technique"]), tuple(dict(one["settings"]).items()))
+            Slot(str(one["technique"]), tuple((str(name), value) for name, value in one["settings"]))
             for one in artifact.card["choices"]
         ]
         ranges = artifact.card["ranges"]

@@ -152,7 +152,8 @@ def _card(source: Learning, verdicts: tuple[Verdict, ...], model: SelectorModel)
     data = source.dataset
     labels = tuple(slot.label for slot in data.slots)
     return {
-        "choices": [{"technique": slot.technique, "settings": dict(slot.settings)} for slot in data.slots],
+        # Pairs, since the order of settings counts and a JSON object has none.
+        "choices": [{"technique": slot.technique, "settings": list(slot.settings)} for slot in data.slots],
         "settings": list(data.settings),
         "device": asdict(source.device),
         "limits": asdict(USUAL_LIMITS),

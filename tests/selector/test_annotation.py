@@ -4,11 +4,12 @@ import json
 import re
 from dataclasses import replace
 
-from scenes.scene import Mobility
+from scenes.scene import LightKind, Mobility
 from selector.annotation import annotation
+from selector.candidate import candidates
 from selector.measurement import LightMeasurement, Status
 from selector.recommendation import recommend
-from tests.selector.measurements import SV, figures, light_measurement, measured, shadow_map, view
+from tests.selector.measurements import DEVICE, SV, figures, light_measurement, measured, shadow_map, view
 
 
 def written(measurement: LightMeasurement) -> tuple[dict[str, object], dict[str, object]]:
@@ -48,6 +49,14 @@ def test_what_a_technique_lacks_is_left_out() -> None:
         "gnomon_confidence": 1.0,
         "gnomon_source": "measured",
     }
+
+
+def test_a_map_without_a_filter_is_written_without_one() -> None:
+    hybrid = next(one for one in candidates(LightKind.SPOT, DEVICE.limits) if one.technique == "chan_hybrid")
+    extras, _ = written(light_measurement(measured(hybrid, view([5.0], figures(0.2)))))
+    assert extras["gnomon_technique"] == "Chan"
+    assert extras["gnomon_map_size"] == dict(hybrid.settings)["map_size"]
+    assert "gnomon_filter" not in extras
 
 
 def test_the_story_holds_choice_alternatives_and_provenance() -> None:

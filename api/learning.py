@@ -1,0 +1,128 @@
+"""Learning from outside: features of lights, models trained and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from api.choosing import chosen_cameras, chosen_lights, require_triangles
+from api.wording import path_words
+from features.extraction import extract, extractor_version
+from features.level_survey import LevelSurvey
+from features.table import FEATURES
+from models.artifact import Artifact, packed
+from models.evaluation import OnFold, Verdict
+from scenes.atomic_file import write_atomically
+from scenes.level import Level
+from scenes.scene import View
+from selector.evidence.importing import bring_in
+from selector.evidence.store import Store
+from selector.learning.featuring import OnInstance
+from selector.learning.training import Learning, judged, learning, trained, verdict_record
+from selector.level_measuring import STRIKES_NOTHING, seen_lights
+
+Json = dict[str, Any]
+
+
+@contextmanager
+def evidence(store: str, folder: Path | None) -> Iterator[Store]:
+    """An open store; a temporary one with what is in a folder of files, where one is named.
+
+    Raises:
+        StoreError: It cannot be opened, or the files are no evidence.
+    """
+    if folder is None:
+        with Store.open(store) as opened:
+            yield opened
+        return
+    with TemporaryDirectory(prefix="gnomon-") as place, Store.open(str(Path(place) / "evidence")) as opened:
+        bring_in(opened, [folder])
+        yield opened
+
+
+def learnt(source: Store, device: str | None, levels: Path | None, on_instance: OnInstance) -> Learning:
+    """What there is to learn from, for one device's times."""
+    return learning(source, device, levels, on_instance)
+
+
+def evaluation(source: Learning, on_fold: OnFold) -> tuple[Verdict, ...]:
+    """How good a model of it is, on families that it was not learnt from."""
+    return judged(source, on_fold)
+
+
+def write_model(source: Learning, verdicts: tuple[Verdict, ...], target: Path) -> Artifact:
+    """Learns from everything, and writes the model.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    artifact = trained(source, verdicts)
+    write_atomically(target, packed(artifact))
+    return artifact
+
+
+def learning_record(source: Learning) -> Json:
+    """What was learnt from, as JSON values."""
+    data = source.dataset
+    return {
+        "device": asdict(source.device),
+        "instances": len(data.examples),
+        "families": len(set(data.examples.families.tolist())),
+        "choices": [slot.label for slot in data.slots],
+        "left_out": {name: count for name, count in data.left_out.items() if count},
+        "problems": dict(source.problems),
+        "resolutions": list(source.resolutions),
+        "digest": data.examples.digest,
+    }
+
+
+def evaluation_record(source: Learning, verdicts: Sequence[Verdict]) -> Json:
+    """Verdicts as JSON values: mobility -> policy -> its closed gap and the rest."""
+    labels = tuple(slot.label for slot in source.dataset.slots)
+    found: Json = {}
+    for one in verdicts:
+        found.setdefault(one.time, {})[one.question] = verdict_record(one, labels)
+    return found
+
+
+def feature_records(
+    level: Level, lights: Sequence[str], cameras: Sequence[str], size: tuple[int, int]
+) -> Json:
+    """Every feature of lights of a level, in every view that shows them, as JSON values.
+
+    Raises:
+        LevelError: The level has no triangles or lights, or not those that are wanted.
+    """
+    require_triangles(level)
+    wanted = chosen_lights(level, lights)
+    seen = seen_lights(level.scene, wanted, chosen_cameras(level, cameras))
+    survey = LevelSurvey.of(level.scene)
+    records = []
+    for one in seen:
+        views = [
+            {"camera": camera.name, **_extracted(survey, one.light, View(camera, *size))}
+            for camera in one.cameras
+        ]
+        problem = "" if views else one.problem or STRIKES_NOTHING
+        records.append({"light": one.light.name, "node": one.light.node, "views": views, "problem": problem})
+    return {
+        "level": path_words(level.path),
+        "digest": level.scene.digest,
+        "resolution": list(size),
+        "extractor": extractor_version(),
+        "level_seconds": survey.seconds,
+        "features": [
+            {"name": one.name, "group": str(one.group), "unit": one.unit, "meaning": one.meaning}
+            for one in FEATURES
+        ],
+        "lights": records,
+    }
+
+
+def _extracted(survey: LevelSurvey, light: Any, view: View) -> Json:
+    found = extract(survey, light, view)
+    return {"seconds": found.seconds, "values": dict(found.values)}
