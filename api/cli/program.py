@@ -18,7 +18,6 @@ from api.cli.failures import epilog, failing_cleanly
 from api.cli.features import features
 from api.cli.help_pages import PlainCommand, PlainGroup, help_text
 from api.cli.inspect import inspect
-from api.cli.rebenchmark import rebenchmark
 from api.cli.recommend import recommend
 from api.cli.render import render
 from api.cli.thesis import thesis
@@ -35,7 +34,7 @@ app = typer.Typer(
 )
 COMMANDS = (
     *(annotate, recommend, compare, inspect, features, render),
-    *(thesis, corpus, benchmark, rebenchmark, train, evaluate, devices),
+    *(thesis, corpus, benchmark, train, evaluate, devices),
 )
 for command in COMMANDS:
     annotates = command in (annotate, recommend, compare)
