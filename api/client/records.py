@@ -11,7 +11,7 @@ from .reading import known_fields, record
 Kind: TypeAlias = Literal["spot", "point", "directional"]
 Mobility: TypeAlias = Literal["static", "dynamic"]
 State: TypeAlias = Literal["queued", "running", "done", "failed", "cancelled"]
-Settings: TypeAlias = dict[str, str | int | float]
+Settings: TypeAlias = dict[str, str | int | float | bool]
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,8 @@ MOST_JSON_BYTES = 1 << 26
 MOST_FILE_BYTES = 1 << 31
 LONGEST_EVENT_LINE = 1 << 20
 EVENTS_IDLE_S = 60.0
+LONGEST_NAME = 200
+"""The service takes no longer ones; what is left of a file name says more at its end."""
 DEFAULT_WAIT_S = 1.0
 FILE_NAME = re.compile(r'filename="([^"]*)"')
 
@@ -183,7 +185,7 @@ class Service:
                     yield event.id, record(Job, parsed(event.data.encode()), "event")
 
     def _level_request(self, target: str, level: Path | bytes, ask: Ask | None, accept: str) -> Request:
-        name = level.name if isinstance(level, Path) else ""
+        name = level.name[-LONGEST_NAME:] if isinstance(level, Path) else ""
         query, upload = (ask or Ask()).query(name), level_upload(level)
         return self._request("POST", target + query, accept, upload=upload, seconds=self._level_timeout_s)
 
