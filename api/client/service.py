@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, cast
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 from .address import DEFAULT_URL, Address
 from .asking import Ask
@@ -43,6 +43,7 @@ LONGEST_NAME = 200
 """The service takes no longer ones; what is left of a file name says more at its end."""
 DEFAULT_WAIT_S = 1.0
 FILE_NAME = re.compile(r'filename="([^"]*)"')
+FILE_NAME_UTF8 = re.compile(r"filename\*=UTF-8''([^;\s]*)", re.IGNORECASE)
 
 
 class Service:
@@ -241,9 +242,11 @@ def _job(reply: Reply) -> Job:
 
 def _download(reply: Reply, *media_types: str) -> Download:
     require_type(reply, *media_types)
-    named = FILE_NAME.search(reply.header("Content-Disposition") or "")
+    disposition = reply.header("Content-Disposition") or ""
+    in_utf8, plain = FILE_NAME_UTF8.search(disposition), FILE_NAME.search(disposition)
+    name = unquote(in_utf8[1]) if in_utf8 else plain[1] if plain else ""
     # Only the last part, whatever the service says: it is joined to a folder of the user's.
-    name = re.split(r"[/\\]", named[1])[-1] if named else ""
+    name = re.split(r"[/\\]", name)[-1]
     bare = "" if name.strip(".") == "" or not name.isprintable() else name
     return Download(reply.all(MOST_FILE_BYTES), reply.media_type, bare)
 

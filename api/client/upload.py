@@ -77,10 +77,11 @@ def _companions(level: Path) -> list[tuple[str, str, Path]]:
             f"{level} is not a glTF file: it is no JSON, or its buffers are no list."
         ) from None
     named = dict.fromkeys(uri for uri in uris if isinstance(uri, str) and not uri.startswith("data:"))
-    return [(uri, "application/octet-stream", _beside(level, uri)) for uri in named]
+    relatives = [_relative(level, uri) for uri in named]
+    return [(one.as_posix(), "application/octet-stream", level.parent / one) for one in relatives]
 
 
-def _beside(level: Path, uri: str) -> Path:
+def _relative(level: Path, uri: str) -> Path:
     relative = os.path.normpath(unquote(uri))
     outside = Path(relative).is_absolute() or Path(relative).parts[:1] == (os.pardir,)
     if SCHEME.match(uri) or uri.startswith(("/", "\\")) or outside or "\0" in relative:
@@ -88,7 +89,7 @@ def _beside(level: Path, uri: str) -> Path:
             f"{level} names the file {uri[:80]}, which lies outside its folder and is not sent. "
             "Put it into the level's folder, or save the level as .glb."
         )
-    return level.parent / relative
+    return Path(relative)
 
 
 def _multipart(parts: Sequence[tuple[str, str, Path]]) -> Upload:

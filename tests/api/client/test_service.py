@@ -86,6 +86,8 @@ def test_no_level_goes_through_a_proxy(monkeypatch: pytest.MonkeyPatch) -> None:
         ('attachment; filename=".."', ""),
         ('attachment; filename=""', ""),
         ("attachment", ""),
+        ("attachment; filename=\"L_mpe.glb\"; filename*=UTF-8''L%C3%A4mpe.glb", "Lämpe.glb"),
+        ("attachment; filename*=UTF-8''..%2F..%2Fpasswd", "passwd"),
     ],
 )
 def test_a_download_has_a_bare_name(header: str, name: str) -> None:

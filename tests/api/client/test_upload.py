@@ -53,7 +53,7 @@ def test_a_gltf_takes_the_files_that_it_names_along(tmp_path: Path) -> None:
     level = gltf(tmp_path, "data/a%20b.bin", "c.bin", "c.bin")
     first, second, third = parts(level)
     assert first == ("my %22level%22.gltf", "model/gltf+json", level.read_bytes())
-    assert second == ("data/a%20b.bin", "application/octet-stream", b"\r\n--x\0")
+    assert second == ("data/a b.bin", "application/octet-stream", b"\r\n--x\0")
     assert third[0] == "c.bin"
     assert third[2] == b"c" * 2_000_000
 
