@@ -43,7 +43,7 @@ from selector.annotation import annotation
 from selector.candidate import Candidate
 from selector.level_measuring import Answer, Request, SeenLight, answers, seen_lights
 from selector.measurement_record import answer_record, measurement_record
-from selector.measuring import Bench
+from selector.measuring import Bench, OnPicture
 from selector.truth import Shown
 
 Json = dict[str, Any]
@@ -111,8 +111,14 @@ class Workload:
     lights_file: Path | None
     _gpu: Gpu
 
-    def measured(self, on_step: Callable[[str], None]) -> Iterator[Answer]:
+    def measured(
+        self, on_step: Callable[[str], None], on_picture: OnPicture | None = None
+    ) -> Iterator[Answer]:
         """One answer a light, as soon as it is there, its pictures written.
+
+        Args:
+            on_step: Told of each step before it begins.
+            on_picture: Given every picture, too, for a page about the same measurement.
 
         Raises:
             DeviceError: The device cannot hold the level.
@@ -132,8 +138,10 @@ class Workload:
             def keep(light: Light, camera: Camera, candidate: Candidate | None, shown: Shown) -> None:
                 if folder:
                     without_loss(folder.keep, light, camera, candidate, shown.picture)
+                if on_picture:
+                    on_picture(light, camera, candidate, shown)
 
-            wanted = keep if folder else None
+            wanted = keep if folder or on_picture else None
             for answer in answers(bench, self.device.limits, self.seen, order.request, on_step, wanted):
                 if folder:
                     without_loss(folder.write, answer)

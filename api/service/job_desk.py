@@ -1,0 +1,335 @@
+"""Takes jobs, has them measured one after the other by a process that may die, and keeps what came out.
+
+A job is done when its results have been synced and have got their name; what is written into the queue
+afterwards only repeats it. So a job whose service was killed between the two is found done by the next one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+import sqlite3
+import time
+from collections import Counter
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from starlette.concurrency import run_in_threadpool
+
+from api.service.job_folders import JobFolders
+from api.service.job_record import Progress, event_id, job_record
+from api.service.job_store import JobRow, JobStore, State
+from api.service.measuring_worker import RESULTS
+from api.service.problems import ProblemError, problem_record
+from api.service.receiving import Upload
+from api.service.settings import Settings
+from api.service.worker import Entry, Loss, LostWorkerError, Worker
+
+START_S = 300.0
+RETRY_AFTER_S = 60
+MOST_STARTS = 10
+"""Of one job, whoever ended those before: one that takes the whole service along must not do so for ever."""
+CLEANING_S = 3600.0
+FIRST_PAUSE_S, LONGEST_PAUSE_S = 1.0, 60.0
+
+Json = dict[str, Any]
+log = logging.getLogger(__name__)
+
+
+class JobDesk:
+    """The queue and its worker.
+
+    Args:
+        settings: Of the service.
+        folders: Where the files of jobs are.
+        store: What is known of jobs.
+        entry: What runs in the process that measures.
+
+    Attributes:
+        lost: How many processes were lost, by what ended them.
+    """
+
+    def __init__(self, settings: Settings, folders: JobFolders, store: JobStore, entry: Entry) -> None:
+        self._settings, self._folders, self._store, self._entry = settings, folders, store, entry
+        self._progress: dict[str, Progress] = {}
+        self._changed: dict[str, set[asyncio.Event]] = {}
+        self._work = asyncio.Event()
+        self._worker: Worker | None = None
+        self._running: str | None = None
+        self._task: asyncio.Task[None] | None = None
+        self.lost: Counter[str] = Counter()
+
+    def start(self) -> None:
+        """Takes up what an earlier service left, and begins to work."""
+        self._recover()
+        self._task = asyncio.get_running_loop().create_task(self._run())
+
+    async def stop(self) -> None:
+        """Ends the work; a job that runs is queued again."""
+        if self._task:
+            self._task.cancel()
+            with suppress(asyncio.CancelledError):
+                await self._task
+        if self._worker:
+            self._worker.end()
+
+    @property
+    def problem(self) -> ProblemError | None:
+        """Why jobs cannot be taken now; None where they can."""
+        try:
+            self._store.check()
+        except sqlite3.Error as error:
+            return ProblemError(
+                "not-ready", "The queue of jobs cannot be written.", known=f"SQLite says: {error}."
+            )
+        if self._task is None or self._task.done():
+            return ProblemError("not-ready", "Nobody works on the queue of jobs.")
+        return None
+
+    @property
+    def worker_pid(self) -> int | None:
+        """Of the process that measures, or waits for something to measure."""
+        return self._worker.pid if self._worker and self._worker.alive else None
+
+    def counts(self) -> dict[str, int]:
+        """How many jobs there are in each state."""
+        return self._store.counts()
+
+    def check_room(self) -> None:
+        """Refuse a job while the queue is full.
+
+        Raises:
+            ProblemError: It is.
+        """
+        counts = self._store.counts()
+        if counts[State.QUEUED] + counts[State.RUNNING] >= self._settings.limits.queue:
+            raise ProblemError(
+                "queue-full",
+                "The queue of jobs is full.",
+                known=f"It takes {self._settings.limits.queue} jobs.",
+                remedy="Try again when some are done, or cancel one.",
+                headers={"Retry-After": str(RETRY_AFTER_S)},
+            )
+
+    def take(self, upload: Upload, looked: Json, options: Json) -> JobRow:
+        """An upload that was looked at becomes a job; it is on disk when this returns.
+
+        Raises:
+            ProblemError: The queue is full.
+        """
+        self.check_room()
+        job = secrets.token_urlsafe(24)
+        self._folders.take(upload.folder, job)
+        row = self._store.add(job, looked["name"], looked["media_type"], options, looked["lights"])
+        self._work.set()
+        return row
+
+    def row(self, job: str) -> JobRow:
+        """What is known of a job.
+
+        Raises:
+            ProblemError: There is none of this id.
+        """
+        row = self._store.get(job)
+        if row is None:
+            known = "Jobs that have ended are kept for a while only."
+            raise ProblemError("not-found", "There is no job of this id.", known=known)
+        return row
+
+    def record(self, row: JobRow) -> Json:
+        """A job as its client sees it."""
+        return job_record(row, self._progress.get(row.id))
+
+    def event_id(self, row: JobRow) -> str:
+        """Differs whenever the record differs."""
+        return event_id(row, self._progress.get(row.id))
+
+    def result(self, job: str, name: str) -> Path:
+        """One of the files of a job that is done."""
+        return self._folders.of(job) / RESULTS / name
+
+    @property
+    def listeners(self) -> int:
+        """How many wait for changes."""
+        return sum(len(events) for events in self._changed.values())
+
+    def cancel(self, job: str) -> JobRow:
+        """Ends a job that waits or runs.
+
+        Raises:
+            ProblemError: There is none of this id, or it has ended.
+        """
+        row = self.row(job)
+        if not self._store.end(job, State.CANCELLED, size=0):
+            raise ProblemError(
+                "already-ended", "This job has ended: it stays as it is.", known=f"It is {row.state}."
+            )
+        if self._running == job and self._worker:
+            # Whoever waits for it finds out.
+            self._worker.end()
+        elif self._running != job:
+            self._folders.drop(job)
+        self._tell(job)
+        return self.row(job)
+
+    async def wait_for_change(self, job: str, seconds: float) -> bool:
+        """Whether something has changed within the time."""
+        event = asyncio.Event()
+        self._changed.setdefault(job, set()).add(event)
+        try:
+            async with asyncio.timeout(seconds):
+                await event.wait()
+        except TimeoutError:
+            return False
+        finally:
+            waiting = self._changed[job]
+            waiting.discard(event)
+            if not waiting:
+                del self._changed[job]
+        return True
+
+    def _tell(self, job: str) -> None:
+        for event in self._changed.get(job, ()):
+            event.set()
+
+    def _recover(self) -> None:
+        rows = self._store.all()
+        for row in rows:
+            if row.state is not State.RUNNING:
+                continue
+            if self._folders.has_results(row.id):
+                self._done(row.id, row.steps)
+            elif row.starts >= MOST_STARTS:
+                self._fail(row.id, _gave_up(f"It was begun {row.starts} times, and never came to its end."))
+            else:
+                self._store.requeue(row.id, crashed=False)
+        self._folders.drop_unknown(row.id for row in rows)
+        self._clean()
+
+    async def _run(self) -> None:
+        pause_s, cleaned = FIRST_PAUSE_S, time.monotonic()
+        while True:
+            try:
+                if self._worker is None or not self._worker.alive:
+                    self._worker = await self._hired()
+                    pause_s = FIRST_PAUSE_S
+                row = self._store.next()
+                if row is not None:
+                    await self._measure(row)
+                    self._clean()
+                    continue
+                self._work.clear()
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(CLEANING_S):
+                        await self._work.wait()
+                if time.monotonic() - cleaned > CLEANING_S:
+                    self._clean()
+                    cleaned = time.monotonic()
+            except (LostWorkerError, sqlite3.Error, OSError) as error:
+                log.warning("the queue of jobs pauses for %g s: %s", pause_s, error)
+                await asyncio.sleep(pause_s)
+                pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
+
+    async def _hired(self) -> Worker:
+        limits = self._settings.limits
+        worker = Worker(self._entry, (self._settings.device, limits.measuring_s), limits.measuring_bytes)
+        word = await worker.heard(START_S)
+        assert word["kind"] == "ready"
+        return worker
+
+    async def _measure(self, row: JobRow) -> None:
+        if not self._store.begin(row.id):
+            return
+        self._running = row.id
+        self._progress[row.id] = Progress(what="starting")
+        self._tell(row.id)
+        try:
+            await self._heard(row)
+        except LostWorkerError as error:
+            self._after_loss(row.id, error)
+        except asyncio.CancelledError:
+            # The service stops: this start was nobody's fault.
+            if not self._finished(row.id):
+                self._store.requeue(row.id, crashed=False, counted=False)
+            raise
+        finally:
+            self._running = None
+            self._progress.pop(row.id, None)
+            if self._worker:
+                # What a driver or a library keeps from one level does not reach the next.
+                self._worker.end()
+            if self.row(row.id).state is State.CANCELLED:
+                self._folders.drop(row.id)
+            self._tell(row.id)
+
+    async def _heard(self, row: JobRow) -> None:
+        """Follow the work to its end."""
+        assert self._worker is not None
+        limits = self._settings.limits
+        folder = self._folders.of(row.id)
+        self._worker.tell({"folder": str(folder), "level": f"level/{row.level}", "options": row.options})
+        until = time.monotonic() + limits.measuring_s
+        while True:
+            word = await self._worker.heard(min(limits.measuring_idle_s, max(until - time.monotonic(), 0)))
+            if word["kind"] == "progress":
+                self._progress[row.id] = Progress(int(word["done"]), int(word["total"]), str(word["what"]))
+                self._tell(row.id)
+            elif word["kind"] == "problem":
+                texts = str(word["detail"]), str(word["known"]), str(word["remedy"])
+                self._fail(row.id, problem_record(str(word["problem"]), *texts))
+                return
+            else:
+                await run_in_threadpool(self._done, row.id, int(word["steps"]))
+                return
+
+    def _after_loss(self, job: str, error: LostWorkerError) -> None:
+        if self.row(job).state.ended or self._finished(job):
+            return
+        self.lost[error.loss] += 1
+        log.warning("the measuring process was lost: %s", error.words)
+        if error.loss is Loss.TIME:
+            problem = problem_record("too-long", f"Measuring this level was given up: {error.words}.")
+            self._fail(job, problem)
+            return
+        self._store.requeue(job, crashed=True)
+        crashes, most = self.row(job).crashes, self._settings.limits.attempts
+        if crashes >= most:
+            self._fail(job, _gave_up(f"It was tried {crashes} times; the last time, {error.words}."))
+
+    def _finished(self, job: str) -> bool:
+        """Whether its results are there although nobody has said so; it is done then."""
+        if not self._folders.has_results(job):
+            return False
+        self._done(job, 0)
+        return True
+
+    def _done(self, job: str, steps: int) -> None:
+        self._folders.drop_level(job)
+        self._store.end(job, State.DONE, steps=steps, size=self._folders.size(job))
+
+    def _fail(self, job: str, problem: Json) -> None:
+        self._store.end(job, State.FAILED, problem=problem)
+        self._folders.drop(job)
+
+    def _clean(self) -> None:
+        """Forgets jobs that have ended: old ones, and the oldest where there is too much of them."""
+        limits = self._settings.limits
+        ended = [row for row in self._store.all() if row.state.ended]
+        kept, size = 0, 0
+        for row in sorted(ended, key=lambda one: one.finished or 0, reverse=True):
+            kept, size = kept + 1, size + row.bytes
+            old = time.time() - (row.finished or 0) > limits.kept_s
+            if old or kept > limits.kept_jobs or size > limits.kept_bytes:
+                self._store.forget(row.id)
+                self._folders.drop(row.id)
+
+
+def _gave_up(known: str) -> Json:
+    return problem_record(
+        "bad-level",
+        "The process that measured this level died of it.",
+        known,
+        "Please report it, with the level.",
+    )
