@@ -7,6 +7,7 @@ geometry is never changed.
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -131,7 +132,7 @@ def is_layer(source: bytes) -> bool:
 
 def _lights_beside(path: Path, notes: NoteBook) -> LightsFile:
     beside = lights_path(path)
-    if not beside.exists():
+    if not _is_there(beside):
         return NO_LIGHTS
     source = read_level_file(beside)
     with _placed(beside):
@@ -145,12 +146,17 @@ def _lights(source: bytes, path: Path) -> bytes:
         return source
     require_geometry(source, _geometry_suffix(path))
     beside = lights_path(path)
-    if not beside.exists():
+    if not _is_there(beside):
         return json.dumps({"geometry": path.name, "lights": []}).encode()
     lights = read_level_file(beside)
     with _placed(beside):
         _require_same(lights, path)
     return lights
+
+
+def _is_there(path: Path) -> bool:
+    """Whether anything has this name: of a link to a file that is gone, reading it tells."""
+    return os.path.lexists(path)
 
 
 def _require_same(source: bytes, path: Path) -> None:

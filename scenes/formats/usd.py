@@ -6,6 +6,7 @@ it works in a program of its own, with limits on its time and memory (`scenes/li
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -103,6 +104,7 @@ def _usd(path: Path) -> Iterator[LimitedProcess]:
             where=str(path),
             remedy='Install it as the extra "usd": pip install "gnomon[usd]", or pip install usd-core.',
         )
+    _require_utf8(path)
     try:
         yield _PROCESS
     except EndedError as error:
@@ -116,3 +118,15 @@ def _usd(path: Path) -> Iterator[LimitedProcess]:
         if str(path) not in error.where:
             error.where = f"{path}, {error.where}" if error.where else str(path)
         raise
+
+
+def _require_utf8(path: Path) -> None:
+    # Elsewhere a name may be any bytes; USD finds files by text.
+    try:
+        os.path.abspath(path).encode()  # noqa: PTH100 - `resolve` would follow links
+    except UnicodeEncodeError as error:
+        raise LevelError(
+            "The name of this file, or of a folder above it, is no UTF-8, and USD reads no other.",
+            where=str(path),
+            remedy="Rename it.",
+        ) from error

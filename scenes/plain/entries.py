@@ -11,7 +11,7 @@ import math
 from scenes.entry import Entry
 from scenes.level import NoteBook
 from scenes.light_annotation import OWN_KEYS
-from scenes.magnitudes import require_divisor, require_moderate, require_near
+from scenes.magnitudes import SMALLEST_DIVISOR, require_divisor, require_moderate, require_near
 from scenes.scene import Camera, Light, LightKind, Mobility
 from scenes.vectors import Vector, unit, upright
 
@@ -78,7 +78,7 @@ def read_camera(entry: Entry, node: int, notes: NoteBook) -> Camera:
     yfov = _angle(entry, "yfov", math.pi / 3)
     near = entry.number("near_m", 0.1)
     if not 0.0 < yfov < math.pi:
-        raise entry.wrong("yfov_deg" if entry.has("yfov_deg") else "yfov_rad", "between 0 and 180 degrees")
+        raise entry.wrong(_written(entry, "yfov"), "between 0 and 180 degrees")
     if near <= 0.0:
         raise entry.wrong("near_m", "above 0 metres")
     require_divisor(entry, "near_m", near, "metres")
@@ -136,6 +136,11 @@ def _angle(entry: Entry, name: str, default: float) -> float:
     return entry.number(f"{name}_rad", default)
 
 
+def _written(entry: Entry, name: str) -> str:
+    """The key by which the file gives an angle: degrees go first, as in `_angle`."""
+    return f"{name}_deg" if entry.has(f"{name}_deg") else f"{name}_rad"
+
+
 def _cones(entry: Entry) -> tuple[float, float]:
     outer = _angle(entry, "outer_cone", math.pi / 4)
     inner = _angle(entry, "inner_cone", 0.0)
@@ -144,9 +149,9 @@ def _cones(entry: Entry) -> tuple[float, float]:
         ("inner_cone", inner, -1.0, outer),
     ):
         if not (low < value <= high and value >= 0.0):
-            written = f"{name}_deg" if entry.has(f"{name}_deg") else f"{name}_rad"
-            raise entry.wrong(written, f"a half angle, at most {math.degrees(high):g} degrees")
-    require_divisor(entry, "outer_cone_rad", outer, "radians")
+            raise entry.wrong(_written(entry, name), f"a half angle, at most {math.degrees(high):g} degrees")
+    if outer < SMALLEST_DIVISOR:
+        raise entry.wrong(_written(entry, "outer_cone"), "a half angle that is not as good as none")
     return inner, outer
 
 

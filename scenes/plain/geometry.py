@@ -1,4 +1,4 @@
-"""The triangles of an OBJ, PLY or STL file, read by trimesh."""
+"""The triangles of an OBJ, PLY or STL file, read by trimesh; binary PLY is read here where it can be."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from scenes.errors import LevelError
 from scenes.level import NoteBook
 from scenes.magnitudes import LARGEST, MOST_TRIANGLES
+from scenes.plain.binary_ply import read_binary_ply
 from scenes.plain.lights_file import is_lights_file
 from scenes.scene import Array, Mesh, Triangles
 
@@ -25,6 +26,7 @@ _OBJ_ODD = (b"\n ", b"\n\t", b"\nv\t", b"\nf\t", b"\no\t", b"\ng\t")
 _OBJ_WORD = re.compile(rb"^[ \t]*([vfog])[ \t]+", re.MULTILINE)
 _OBJ_MATERIAL = re.compile(rb"^[ \t]*mtllib[ \t]+([^\r\n]+)", re.MULTILINE)
 _PLY_COUNT = re.compile(rb"^element[ \t]+\S+[ \t]+(\d+)", re.MULTILINE)
+_UTF8_MARK = b"\xef\xbb\xbf"
 _PLY_END = b"end_header"
 _STL_HEADER, _STL_TRIANGLE = 84, 50
 _EXPORT = "Export it again, as triangles."
@@ -63,6 +65,8 @@ def read_geometry(
         LevelError: The file is broken, has no triangles or too many, or numbers beyond what the GPU knows.
     """
     suffix = path.suffix.lower()
+    if suffix == ".obj":
+        source = _plain_text(source)
     require_geometry(source, suffix)
     if suffix == ".obj":
         _judge_obj(source, notes)
@@ -86,10 +90,10 @@ def read_geometry(
 def _mesh(name: str, points: Array, faces: Triangles, unit_m: float, *, z_up: bool) -> Mesh:
     # Corners that no triangle has may be anything, and large levels are not copied more often than needed.
     with np.errstate(over="ignore", invalid="ignore"):
-        scaled = points if unit_m == 1.0 else points * unit_m
+        scaled = points if unit_m == 1.0 else np.multiply(points, unit_m, dtype=np.float64)
         _require_sound(name, scaled, faces)
         turned = np.stack([scaled[:, 0], scaled[:, 2], -scaled[:, 1]], axis=1) if z_up else scaled
-        positions, triangles = turned.astype(np.float32), faces.astype(np.int32)
+        positions, triangles = turned.astype(np.float32, copy=False), faces.astype(np.int32, copy=False)
     positions.flags.writeable = triangles.flags.writeable = False
     return Mesh(name, positions, triangles)
 
@@ -107,6 +111,12 @@ def named_files(source: bytes, path: Path) -> tuple[Path, ...]:
         except (OSError, ValueError):
             continue
     return tuple(sorted(found))
+
+
+def _plain_text(source: bytes) -> bytes:
+    """Without the mark of some Windows programs, which would cost the first line, and with lines that end."""
+    source = source.removeprefix(_UTF8_MARK)
+    return source if b"\n" in source else source.replace(b"\r", b"\n")
 
 
 def _judge_obj(source: bytes, notes: NoteBook) -> None:
@@ -134,6 +144,8 @@ def _line(source: bytes, position: int) -> str:
 
 
 def _loaded(source: bytes, suffix: str, stem: str, notes: NoteBook) -> list[tuple[str, Array, Triangles]]:
+    if suffix == ".ply" and (found := read_binary_ply(source)):
+        return [(stem, *found)]
     if suffix == ".obj" and (source[:1].isspace() or any(mark in source for mark in _OBJ_ODD)):
         source = _OBJ_WORD.sub(rb"\1 ", source)
     # Faces belong to objects, whatever they are made of.
@@ -154,15 +166,15 @@ def _loaded(source: bytes, suffix: str, stem: str, notes: NoteBook) -> list[tupl
             known=f"trimesh says: {type(error).__name__}: {str(error)[:120]}.",
             remedy=_EXPORT,
         ) from error
-    found: list[tuple[str, Array, Triangles]] = []
+    loaded: list[tuple[str, Array, Triangles]] = []
     # By name: the order of trimesh is its own.
     for name, geometry in sorted(scene.geometry.items()):
         if isinstance(geometry, trimesh.Trimesh):
             known = stem if name in ("geometry", "geometry_0") else str(name)
-            found.append((known, np.asarray(geometry.vertices, float), np.asarray(geometry.faces)))
+            loaded.append((known, np.asarray(geometry.vertices, float), np.asarray(geometry.faces)))
         else:
             notes.info("geometry", "Points and lines cast no shadow: left out.")
-    return found
+    return loaded
 
 
 def _require_sound(name: str, vertices: Array, faces: Triangles) -> None:

@@ -225,7 +225,7 @@ class _Parser:
         return LevelError(
             what,
             where=self._place(position),
-            known=f"Found {found[0]!r}." if found else "The file ends there.",
+            known=f"Found {found[0]!r}." if found and found[0] else "The line ends there.",
             remedy="Open the map in its editor and save it again, or mend that line.",
         )
 

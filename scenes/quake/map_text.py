@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -55,8 +56,12 @@ class Entity:
 
     def value(self, *keys: str) -> str:
         """The value of the first of these keys that is there, in upper or lower case; empty without one."""
-        found = {pair.key.lower(): pair.value for pair in self.pairs}
-        return next((found[key] for key in keys if key in found), "")
+        return next((self._values[key] for key in keys if key in self._values), "")
+
+    @cached_property
+    def _values(self) -> dict[str, str]:
+        """Asked for when the entity is complete."""
+        return {pair.key.lower(): pair.value for pair in self.pairs}
 
     @property
     def kind(self) -> str:

@@ -18,6 +18,9 @@ from scenes.scene import Mesh
 
 _INVISIBLE = "trigger_"
 _SHOWN_LINES = 5
+# Cubes of the brushes' numbers of faces: each face is cut by all others, and has as many corners at most.
+# At 2 ns each it is half a minute. Four million faces of boxes, as many as are read, are 1.4e8.
+MOST_WORK = 1.5e10
 
 
 def read_meshes(text: MapText, notes: NoteBook) -> tuple[Mesh, ...]:
@@ -85,6 +88,14 @@ def _refuse_too_much(text: MapText) -> None:
             where=f"line {text.brush_lines[worst]}",
             known=f"At most {MOST_SIDES} are read.",
             remedy="Split the brush.",
+        )
+    work = np.cumsum(sizes.astype(np.float64) ** 3)
+    if len(work) and work[-1] > MOST_WORK:
+        raise LevelError(
+            "The brushes of this level have too many faces each: to cut them to shape takes too long.",
+            where=f"line {text.brush_lines[int(np.argmax(work > MOST_WORK))]}",
+            known=f"{len(sizes):,} brushes have {int(sizes.sum()):,} faces, one of them {sizes.max():,}.",
+            remedy="Make round brushes of fewer sides, or split the level into several maps.",
         )
 
 

@@ -242,3 +242,23 @@ def test_what_goes_with_a_level_is_named(tmp_path: Path) -> None:
     (tmp_path / "level.mtl").touch()
     assert companions(level.read_bytes(), level) == (Path("level.lights.json"), Path("level.mtl"))
     assert companions(lights.read_bytes(), lights) == (Path("level.obj"), Path("level.mtl"))
+
+
+def test_an_obj_of_windows_and_of_an_old_mac_is_the_same(tmp_path: Path) -> None:
+    digest = obj(tmp_path, TRIANGLE).scene.digest
+    assert obj(tmp_path, b"\xef\xbb\xbf" + TRIANGLE).scene.digest == digest
+    assert obj(tmp_path, TRIANGLE.replace(b"\n", b"\r")).scene.digest == digest
+
+
+def test_lights_whose_link_leads_nowhere_are_told(tmp_path: Path) -> None:
+    (tmp_path / "level.lights.json").symlink_to("gone.json")
+    with pytest.raises(LevelError, match="no such file") as caught:
+        obj(tmp_path, TRIANGLE)
+    assert "level.lights.json" in caught.value.where
+
+
+def test_an_angle_is_named_as_the_file_writes_it(tmp_path: Path) -> None:
+    light = {"kind": "spot", "position_m": [0, 2, 0], "direction": [0, -1, 0], "outer_cone_deg": 1e-300}
+    (tmp_path / "level.lights.json").write_text(json.dumps({"lights": [light]}))
+    with pytest.raises(LevelError, match='"outer_cone_deg" must be'):
+        obj(tmp_path, TRIANGLE)

@@ -9,7 +9,7 @@ import pytest
 from scenes.errors import LevelError
 from scenes.formats import quake_map
 from scenes.light_annotation import LightAnnotation
-from scenes.quake import map_parser
+from scenes.quake import map_parser, meshes
 from tests.scenes.quake_samples import CUBE, WORLD, box, entity, face, read
 
 GOOD = "( 0 0 0 ) ( 0 1 0 ) ( 1 0 0 ) wall 0 0 0 1 1"
@@ -169,3 +169,16 @@ def test_deep_and_long_texts_are_refused_quickly(tmp_path: Path) -> None:
     many = "{\n" + face([(0, 0, 0), (0, 1, 0), (1, 0, 0)]) * 100 + "}\n"
     with pytest.raises(LevelError, match="No brush"):
         read(tmp_path, entity(many * 20, classname="worldspawn"))
+
+
+def test_brushes_that_take_too_long_to_cut_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = entity(CUBE + CUBE, classname="worldspawn")
+    monkeypatch.setattr(meshes, "MOST_WORK", 2 * 6**3)
+    assert read(tmp_path, text).scene.triangle_count == 24
+    monkeypatch.setattr(meshes, "MOST_WORK", 2 * 6**3 - 1)
+    with pytest.raises(LevelError, match="takes too long") as caught:
+        read(tmp_path, text)
+    assert "2 brushes have 12 faces, one of them 6" in caught.value.known
+    assert caught.value.remedy

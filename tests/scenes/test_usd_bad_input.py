@@ -171,3 +171,14 @@ def test_nothing_else_imports_usd() -> None:
         "assert '.usda' in level_formats() and 'pxr' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", program], check=True, cwd=SAMPLES.parents[2])
+
+
+def test_a_name_that_is_no_utf8_is_refused(tmp_path: Path) -> None:
+    folder = tmp_path / "\udcff"
+    try:
+        folder.mkdir()
+    except OSError:
+        pytest.skip("this file system knows UTF-8 names only")
+    with pytest.raises(LevelError, match="no UTF-8") as caught:
+        read(folder, CUBE)
+    assert caught.value.remedy == "Rename it."
