@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from api.wording import counted, path_words
 from scenes.level import Level
 from scenes.scene import Array, Camera, Light, LightKind, Mesh, Scene
@@ -36,7 +38,7 @@ class Inspection:
     @classmethod
     def of(cls, level: Level) -> Inspection:
         """Looks through the level."""
-        shells = Shells.of(level.scene)
+        shells = Shells.of(_grouped(level.scene))
         return cls(level, shells, tuple(_remarks(level.scene, shells)))
 
     def record(self) -> Json:
@@ -152,6 +154,22 @@ def _about_lights(scene: Scene) -> Iterator[str]:
             f"{counted(len(endless), 'light')} of {len(scene.lights)} without a range: each reaches, and "
             "costs, the whole level. A range makes every technique cheaper."
         )
+
+
+def _grouped(scene: Scene) -> Scene:
+    """The scene with one mesh for all that share their arrays: a thousand trees are looked through once."""
+    groups: dict[tuple[int, int, bool, int], list[Mesh]] = {}
+    for mesh in scene.meshes:
+        # Those of a node that are promised to be closed are looked at together, so they stay as they are.
+        apart = len(groups) if mesh.promised_closed else -1
+        groups.setdefault((id(mesh.positions), id(mesh.triangles), mesh.casts, apart), []).append(mesh)
+    meshes = tuple(
+        group[0]
+        if len(group) == 1
+        else replace(group[0], placements=np.concatenate([mesh.placements for mesh in group]))
+        for group in groups.values()
+    )
+    return replace(scene, meshes=meshes)
 
 
 def _open_in_promises(scene: Scene) -> int:

@@ -23,6 +23,8 @@ NOTHING = "-"
 LONGEST_PATH = 4096
 NAME_WIDTH = 12
 """Columns that a long name keeps on a narrow screen."""
+MOST_ROWS = 1000
+"""More take a terminal more than a second to lay out, and nobody reads them."""
 KEPT_COLUMNS = 4
 """Number, node, name and kind, or of a camera its place, are shown on every screen."""
 PADDING = 2
@@ -48,12 +50,19 @@ def print_inspection(console: Console, inspection: Inspection, picture: Path | N
     )
     console.print(summary)
     if scene.lights:
-        console.print(_light_table(scene.lights, console.width))
+        console.print(_light_table(scene.lights[:MOST_ROWS], console.width, len(scene.lights)))
+        _print_rest(console, len(scene.lights), "light")
     if scene.cameras:
-        console.print(_camera_table(scene.cameras, console.width))
+        console.print(_camera_table(scene.cameras[:MOST_ROWS], console.width, len(scene.cameras)))
+        _print_rest(console, len(scene.cameras), "camera")
     _print_notes(console, inspection)
     if picture is not None:
         console.print(Text(f"Wrote {printable(str(picture), LONGEST_PATH)}."), soft_wrap=True)
+
+
+def _print_rest(console: Console, count: int, what: str) -> None:
+    if count > MOST_ROWS:
+        console.print(Text(f"... and {counted(count - MOST_ROWS, f'more {what}')}: --json tells all."))
 
 
 def _print_notes(console: Console, inspection: Inspection) -> None:
@@ -93,9 +102,9 @@ class _Column:
         return max(self.narrowest, *map(len, words))
 
 
-def _light_table(lights: tuple[Light, ...], width: int) -> Table:
+def _light_table(lights: tuple[Light, ...], width: int, count: int) -> Table:
     return _table(
-        counted(len(lights), "light"),
+        counted(count, "light"),
         [
             *_addresses(lights),
             _Column("kind", [str(light.kind) for light in lights], narrowest=len(LightKind.DIRECTIONAL)),
@@ -110,9 +119,9 @@ def _light_table(lights: tuple[Light, ...], width: int) -> Table:
     )
 
 
-def _camera_table(cameras: tuple[Camera, ...], width: int) -> Table:
+def _camera_table(cameras: tuple[Camera, ...], width: int, count: int) -> Table:
     return _table(
-        counted(len(cameras), "camera"),
+        counted(count, "camera"),
         [
             *_addresses(cameras),
             _Column("position", [_place(camera.position) for camera in cameras], narrowest=8),

@@ -190,3 +190,31 @@ def test_a_real_level() -> None:
     assert (record["triangles"], len(record["lights"]), record["cameras"]) == (14542, 198, [])
     assert sum(record["casters"].values()) == 14542
     assert record["casters"]["open"] < 0.02 * 14542
+
+
+def test_of_very_many_lights_the_first_are_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("api.cli.inspection_tables.MOST_ROWS", 1)
+    shown = gnomon("inspect", small_level(tmp_path)).stdout
+    assert "3 lights" in shown
+    assert "Lamp" in shown
+    assert "Torch" not in shown
+    assert "... and 2 more lights: --json tells all." in shown
+    assert len(answered("inspect", small_level(tmp_path))["lights"]) == 3
+
+
+def test_meshes_that_share_their_arrays_are_looked_through_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[int] = []
+
+    def spied(scene: Scene) -> Shells:
+        seen.append(len(scene.meshes))
+        return counted_shells(scene)
+
+    counted_shells = Shells.of
+    scene = small_scene()
+    twice = replace(scene, meshes=scene.meshes + scene.meshes)
+    level = replace(read_level(small_level(tmp_path)), scene=twice)
+    monkeypatch.setattr(Shells, "of", spied)
+    assert Inspection.of(level).shells == counted_shells(twice)
+    assert seen == [len(scene.meshes)]
