@@ -19,18 +19,18 @@ RECORDS = [one for one in vars(records).values() if isinstance(one, type) and is
 ERRORS = [name for name in vars(errors) if name.endswith("Error")]
 
 
-def run_examples(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs them one after the other, as a reader who types them does."""
+def run_examples(service: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs them one after the other, as a reader who types them does, with another service."""
     monkeypatch.chdir(ROOT)
     names: dict[str, Any] = {}
     for example in EXAMPLES:
-        exec(compile(example.replace("Service()", f"Service({url!r})"), "client.md", "exec"), names)  # noqa: S102
+        exec(compile(example.replace("Service()", service), "client.md", "exec"), names)  # noqa: S102
 
 
 def test_the_examples_run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert len(EXAMPLES) >= 5
     with route_service() as service:
-        run_examples(service.url, monkeypatch)
+        run_examples(f"Service({service.url!r})", monkeypatch)
     said = capsys.readouterr().out
     assert "done 10 of 10 measuring" in said
     assert "Nobody answers at http://127.0.0.1:9." in said
