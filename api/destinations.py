@@ -146,8 +146,12 @@ def check_measurements(path: Path) -> None:
         )
 
 
-def check_page(path: Path) -> None:
+def check_page(path: Path, beginning: bytes = PAGE_BEGINNING) -> None:
     """Refuse a page that would destroy something, or that could not be written.
+
+    Args:
+        path: Where it goes.
+        beginning: How an earlier page begins, which may be overwritten.
 
     Raises:
         OutputError: Its name is no page's, there is another file than an earlier page of ours, or the system
@@ -161,7 +165,7 @@ def check_page(path: Path) -> None:
         )
     check_writable(path)
     try:
-        spared = path.exists() and path.stat().st_size and not _holds_page(path)
+        spared = path.exists() and path.stat().st_size and not _begins(path, beginning)
     except OSError as error:
         raise output_error(path, error) from error
     if spared:
@@ -221,9 +225,9 @@ def _holds_measurements(path: Path) -> bool:
     return tuple(record) == MEASUREMENT_KEYS and isinstance(record["lights"], list)
 
 
-def _holds_page(path: Path) -> bool:
+def _begins(path: Path, beginning: bytes) -> bool:
     with path.open("rb") as file:
-        return file.read(len(PAGE_BEGINNING)) == PAGE_BEGINNING
+        return file.read(len(beginning)) == beginning
 
 
 def _same(first: Path, second: Path) -> bool:

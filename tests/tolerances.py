@@ -267,3 +267,9 @@ EYE_HEIGHT = 5e-3
 
 BRUSH_SKIN = 0.05
 """Quake's units: eyes and places are rounded to 1.2e-4 of their distance, at most 64 units; 1e-4 measured."""
+
+HALF_PAIR = 0.25
+"""Half a step of means of pairs of whole numbers: the normal approximation may take the next pair."""
+
+P_VALUE = 1e-9
+"""Relative: two sums of up to 2^25 chances in float64, added up in another order."""

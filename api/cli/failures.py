@@ -16,6 +16,7 @@ from api.cli.terminal import errors, flush_results, printable, silence
 from scenes.errors import GnomonError
 
 EXIT_INTERNAL, EXIT_USAGE, EXIT_INCOMPLETE, EXIT_STORE, EXIT_INTERRUPTED = 1, 2, 6, 7, 130
+EXIT_CALLS, EXIT_BUSY = 8, 9
 EXIT_CLOSED_PIPE = 141
 """What shells report of a program that writes to a reader who has gone: 128 and the number of SIGPIPE."""
 
@@ -28,6 +29,8 @@ EXIT_MEANINGS = {
     5: "an output cannot be written",
     EXIT_INCOMPLETE: "done, but some lights have no recommendation",
     EXIT_STORE: "the evidence store cannot be read or written",
+    EXIT_CALLS: "rebenchmark is done, and somebody should look at its report",
+    EXIT_BUSY: "another job is running",
     EXIT_INTERRUPTED: "interrupted",
     EXIT_CLOSED_PIPE: "the reader of the output has gone",
 }

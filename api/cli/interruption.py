@@ -41,6 +41,10 @@ class Interruption(AbstractContextManager["Interruption"]):
         if self._pressed:
             raise KeyboardInterrupt
 
+    def forget(self) -> None:
+        """What was pressed has been answered."""
+        self._pressed = False
+
     def _remember(self, number: int, frame: FrameType | None) -> None:
         del number, frame
         self._pressed = True

@@ -18,8 +18,10 @@ from api.cli.failures import epilog, failing_cleanly
 from api.cli.features import features
 from api.cli.help_pages import PlainCommand, PlainGroup, help_text
 from api.cli.inspect import inspect
+from api.cli.rebenchmark import rebenchmark
 from api.cli.recommend import recommend
 from api.cli.render import render
+from api.cli.serve import serve
 from api.cli.thesis import thesis
 from api.cli.train import train
 
@@ -34,7 +36,7 @@ app = typer.Typer(
 )
 COMMANDS = (
     *(annotate, recommend, compare, inspect, features, render),
-    *(thesis, corpus, benchmark, train, evaluate, devices),
+    *(thesis, corpus, benchmark, rebenchmark, train, evaluate, serve, devices),
 )
 for command in COMMANDS:
     annotates = command in (annotate, recommend, compare)

@@ -15,6 +15,7 @@ from selector.evidence.reading import Narrower
 from selector.evidence.records import MOBILITIES
 from selector.evidence.schema import devices, samples, timings
 from selector.evidence.summing_up import Samples, summed_up
+from selector.evidence.superseding import read_marks, standing
 from selector.evidence.table import STATUSES, UNKNOWN, Codes, EvidenceTable, Floats, Numbers
 from selector.measurement import Status
 
@@ -30,6 +31,10 @@ def read_table(connection: Connection, device: str, **only: Unpack[Narrower]) ->
     cells = frame.cells(judged)
     words = Vocabularies(connection)
     timed = timed.kept(_of_newest_code(timed, frame))
+    marks = read_marks(connection, only.get("before"))
+    timed = timed.kept(
+        standing(connection, device, timed.more["id"].astype(np.int64), frame.cells(timed), marks)
+    )
     times, canary_ms = summed_up(_samples(connection, device, timed, frame), frame.shape)
     return EvidenceTable(
         instances=frame.instances,

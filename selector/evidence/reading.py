@@ -49,6 +49,7 @@ class Narrower(TypedDict, total=False):
         technique: Id of the candidate's technique.
         instance: Key of the instance.
         run: Key of the run that found it out.
+        before: UTC, ISO 8601: the run began earlier.
     """
 
     codes: Collection[str]
@@ -57,6 +58,7 @@ class Narrower(TypedDict, total=False):
     technique: str
     instance: str
     run: str
+    before: str
 
 
 class Only(Narrower, total=False):
@@ -209,6 +211,8 @@ def narrowed(query: Select[Any], **only: Unpack[Only]) -> Select[Any]:
     for name, column in columns.items():
         if name in only:
             query = query.where(column.in_([str(only[name])]))  # type: ignore[literal-required]
+    if "before" in only:
+        query = query.where(runs.c.started < only["before"])
     return query
 
 

@@ -9,6 +9,7 @@ from typing import Concatenate, ParamSpec, Self, TypeVar, Unpack
 from sqlalchemy import Connection, Engine
 
 from selector.evidence.cached_features import read_extractors, read_features, write_features
+from selector.evidence.dating import Dated, read_dated
 from selector.evidence.joining import read_table
 from selector.evidence.opening import OUTSIDE_TRANSACTIONS, WRITING, address_of, opened, shown
 from selector.evidence.pruning import Pruned, Useless, prune
@@ -35,6 +36,7 @@ from selector.evidence.rows import (
     Timing,
 )
 from selector.evidence.store_error import StoreError, in_sentences
+from selector.evidence.superseding import Marks, read_marks
 from selector.evidence.surveying import Survey, survey
 from selector.evidence.table import EvidenceTable
 from selector.evidence.writing import Batch, write
@@ -176,6 +178,14 @@ class Store:
     def timed(self, device: str, codes: Iterable[str]) -> dict[tuple[str, str], int]:
         """The same of timings -> rounds over all runs; 0 where it failed before the first."""
         return self._read(read_timed, device=device, codes=list(codes))
+
+    def dated(self) -> list[Dated]:
+        """When everything was timed, the oldest first, without samples."""
+        return self._read(read_dated)
+
+    def marks(self) -> Marks:
+        """Which times no longer hold: (device's key, technique's id) -> before when they were taken."""
+        return self._read(read_marks)
 
     def instances(self, *, role: Role | None = None, family: str | None = None) -> Iterator[InstanceRow]:
         """Every instance, in the order of families, scenes and keys."""

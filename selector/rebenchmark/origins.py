@@ -1,0 +1,90 @@
+"""Stored instances as questions that can be asked again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from scenes.corpus.spec import Spec
+from scenes.errors import GnomonError
+from scenes.formats.registry import level_formats, read_level
+from scenes.scene import Scene
+from selector.benchmark.questions import LevelQuestion, Question, SpecQuestion
+from selector.evidence.rows import InstanceRow
+from selector.learning.featuring import camera_of
+
+
+@dataclass(frozen=True)
+class Asking:
+    """What can be asked again.
+
+    Attributes:
+        questions: Instance's key -> question.
+        problems: Why others cannot -> how many.
+    """
+
+    questions: Mapping[str, Question]
+    problems: Mapping[str, int]
+
+
+def asking(rows: Iterable[InstanceRow], places: Sequence[Path]) -> Asking:
+    """Questions for stored instances.
+
+    Args:
+        rows: The instances.
+        places: Files and folders in which the levels are that some come from.
+    """
+    scenes: dict[str, Scene | str] = {}
+    questions: dict[str, Question] = {}
+    problems: dict[str, int] = {}
+    files = {path.name: path for path in level_paths(places)}
+    for row in rows:
+        try:
+            asked = _question(row, files, scenes)
+        except GnomonError as error:
+            asked = str(error)
+        if isinstance(asked, str):
+            problems[asked] = problems.get(asked, 0) + 1
+        else:
+            questions[row.key] = asked
+    return Asking(questions, problems)
+
+
+def level_paths(places: Iterable[Path]) -> list[Path]:
+    """Every level file among some files and folders, in order."""
+    suffixes = set(level_formats())
+    found: list[Path] = []
+    for place in places:
+        if place.is_dir():
+            inside = (path for path in sorted(place.rglob("*")) if path.is_file())
+            found += [path for path in inside if path.suffix.lower() in suffixes]
+        else:
+            found.append(place)
+    return list(dict.fromkeys(found))
+
+
+def _question(row: InstanceRow, files: Mapping[str, Path], scenes: dict[str, Scene | str]) -> Question | str:
+    if row.origin.startswith("{"):
+        return SpecQuestion(Spec.from_text(row.origin), row.role)
+    path = files.get(row.origin)
+    if path is None:
+        return f"The level {row.origin} is not among those that --levels names."
+    if row.origin not in scenes:
+        scenes[row.origin] = _scene(path)
+    scene = scenes[row.origin]
+    if isinstance(scene, str):
+        return scene
+    if scene.digest != row.scene_digest:
+        return f"The level {row.origin} has changed since it was measured."
+    index = int(row.light["index"])
+    camera = camera_of(row.camera)
+    light = scene.lights[index]
+    return LevelQuestion(path, scene.digest, scene.name, scene.triangle_count, light, index, camera, row.role)
+
+
+def _scene(path: Path) -> Scene | str:
+    try:
+        return read_level(path).scene
+    except GnomonError as error:
+        return str(error)

@@ -1,0 +1,395 @@
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+
+from api.rebenchmark_page import PAGE_BEGINNING, page_bytes
+from api.rebenchmarking import (
+    JSON_BEGINNING,
+    LOCK,
+    SAMPLE,
+    Machine,
+    Request,
+    json_path,
+    rebenchmark,
+    report_record,
+)
+from models import fitting
+from models.artifact import load
+from scenes.scene import Light, LightKind, Mobility
+from selector.benchmark.running import Benchmark
+from selector.evidence.rows import Purpose
+from selector.evidence.store import Store
+from selector.policy import policy
+from selector.rebenchmark.locking import BusyError, beside, locked
+from selector.rebenchmark.remeasuring import Bench
+from selector.rebenchmark.report import Report
+from tests.api.command import environment, gnomon, program, succeeded
+from tests.selector.repeated_runs import codes, fill, repeats
+from tests.selector.replaying import NOW, Replay
+from tests.small_level import small_level, small_scene
+
+CALM = 6
+"""A run of `repeats.npz` that was taken on a calm machine, as was the next."""
+HOSTILE = '</script><script>alert("x")</script>'
+
+
+def lights(count: int = 12) -> tuple[Light, ...]:
+    """Of both kinds, near and far, wide and narrow."""
+    found = []
+    for index in range(count):
+        place = (float(index % 4 - 1.5), 1.5 + index % 5, float(index % 3 - 1))
+        reach = 4.0 + 2.5 * index
+        mobility = Mobility.STATIC if index % 3 else Mobility.DYNAMIC
+        name = f"Lamp {index} {HOSTILE if index == 0 else ''}"
+        if index % 2:
+            found.append(Light(name, LightKind.POINT, place, range_m=reach, mobility=mobility))
+        else:
+            cone = 0.4 + 0.08 * index
+            found.append(
+                Light(
+                    name,
+                    LightKind.SPOT,
+                    place,
+                    (0.0, -1.0, 0.0),
+                    cone / 2,
+                    cone,
+                    range_m=reach,
+                    mobility=mobility,
+                )
+            )
+    return tuple(found)
+
+
+def machine(**changed: str) -> Machine:
+    return Machine(Bench(codes=codes() | changed), repeats().device)
+
+
+def request(folder: Path, **more: object) -> Request:
+    known = Request(
+        store=str(folder / "e.sqlite"),
+        model=folder / "town.model",
+        report=folder / "night.html",
+        levels=(folder / "yard.glb",),
+        policy=policy("balanced"),
+        size=(160, 128),
+        folds=3,
+    )
+    return replace(known, **more)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _few_trees() -> Iterator[None]:
+    """Models of a tenth of their trees: what is tested is what becomes of them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(fitting.BOOSTING, "max_iter", 8)
+        patch.setitem(fitting.FOREST, "n_estimators", 6)
+        yield
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a store, a model that was learnt from it, and a level that is watched."""
+    folder = tmp_path_factory.mktemp("ready")
+    small_level(folder, "yard.glb", small_scene(lights()))
+    with Store.open(str(folder / "e.sqlite")) as store:
+        fill(store, [CALM])
+    report = rebenchmark(request(folder), Replay(CALM), machine(), NOW)
+    assert report.judged is not None
+    assert report.judged.decision.promoted
+    assert "no model before" in report.judged.decision.why
+    return folder
+
+
+@pytest.fixture
+def folder(ready: Path, tmp_path: Path) -> Path:
+    for path in ready.iterdir():
+        if LOCK not in path.name:
+            (tmp_path / path.name).write_bytes(path.read_bytes())
+    return tmp_path
+
+
+def values(report: Report, wanted: Request) -> dict[str, object]:
+    with Store.open(wanted.store, write=False) as store:
+        found: dict[str, object] = json.loads(json.dumps(report_record(report, store)))
+    return found
+
+
+def facts(path: Path) -> tuple[int, int]:
+    with Store.open(str(path), write=False) as store:
+        return len(list(store.judgements())), len(store.dated())
+
+
+def test_a_calm_night_changes_nothing(folder: Path) -> None:
+    wanted = request(folder)
+    model, before = wanted.model.read_bytes(), facts(folder / "e.sqlite")
+    listener = Replay(CALM + 1)
+    report = rebenchmark(wanted, listener, machine(), NOW)
+    assert not report.calls
+    assert report.causes == ()
+    assert report.judged is None
+    assert report.sampled is not None
+    assert report.sampled.compared == len(repeats().judgements)
+    assert report.watched is not None
+    assert report.watched.lights > 9
+    assert report.watched.moves == ()
+    assert wanted.model.read_bytes() == model
+    assert facts(folder / "e.sqlite") == before
+    assert not beside(wanted.store, SAMPLE).exists()
+    # Both purposes of one sample, and nothing else.
+    assert [purpose for purpose, _, _ in listener.asked] == list(Purpose)
+    page = wanted.report.read_text()
+    assert "Nothing has moved." in page
+    assert json.loads(json_path(wanted.report).read_text()) == values(report, wanted)
+
+
+def test_a_slowdown_of_15_percent_is_found_and_moves_lights(folder: Path) -> None:
+    wanted = request(folder)
+    old = wanted.model.read_bytes()
+    slow = {"shadow_map": 1.15}
+    listener = Replay(CALM + 1, slow)
+    report = rebenchmark(wanted, listener, machine(), NOW)
+    assert {one.technique for one in report.drifted} == {"shadow_map"}
+    assert report.calls
+    assert report.causes == ("times have drifted",)
+    assert report.left == 0
+    # All instances are in the sample, so nothing is left to be measured again.
+    assert [purpose for purpose, _, _ in listener.asked] == list(Purpose)
+    assert report.judged is not None
+    assert report.judged.contest is not None
+    assert not report.judged.as_is
+    # With 24 instances the models may go either way; the lights are named in both cases.
+    decision = report.judged.decision
+    kept = [decision.kept.read_bytes()] if decision.kept else []
+    assert kept == ([old] if decision.promoted else [])
+    assert (wanted.model.read_bytes() != old) == decision.promoted
+    assert report.watched is not None
+    assert report.watched.in_force == decision.promoted
+    moves = report.watched.moves
+    assert moves, "lights change their answer"
+    page = wanted.report.read_text()
+    record = json.loads(json_path(wanted.report).read_text())
+    assert [move["light"] for move in record["watched"]["moves"]] == [one.light for one in moves]
+    assert all(move["from"]["label"] != move["to"]["label"] for move in record["watched"]["moves"])
+    for one in moves:
+        assert one.light.split(" <")[0] in page
+        assert one.why
+    # The next night nothing is new: the slow times are the evidence now.
+    again = Replay(CALM + 1, slow)
+    calm = rebenchmark(wanted, again, machine(), NOW + timedelta(days=1))
+    assert not calm.calls
+    assert calm.causes == ()
+    assert calm.judged is None
+
+
+def test_names_from_levels_stay_text(folder: Path) -> None:
+    wanted = request(folder)
+    record = json.loads(json_path(wanted.report).read_text())
+    level = f"{HOSTILE}.glb"
+    record["watched"]["problems"] = [{"level": level, "reason": HOSTILE}]
+    record["unreachable"] = {HOSTILE: 1}
+    page = page_bytes(record).decode()
+    assert page.encode().startswith(PAGE_BEGINNING)
+    assert "<script" not in page
+    assert re.search(r'(src|href)="?http', page) is None
+
+
+def test_errors_that_differ_though_the_code_is_the_same_are_an_alarm(folder: Path) -> None:
+    report = rebenchmark(request(folder), Replay(CALM + 1, changed=0.25), machine(), NOW)
+    assert report.calls
+    assert report.drifted == ()
+    assert report.differs
+    assert "edge_error_px" in request(folder).report.read_text()
+
+
+def test_changed_code_is_measured_again_and_nothing_else(folder: Path) -> None:
+    changed = {"shadow_volume": "f" * 32}
+    listener = Replay(CALM + 1, codes=changed)
+    report = rebenchmark(request(folder, sample=10, learn=False), listener, machine(**changed), NOW)
+    assert report.stale["shadow_volume"] == {"code": len(repeats().instances)}
+    assert report.stale["shadow_map"] == {"fresh": len(repeats().instances)}
+    assert report.causes == ("the code of a technique has changed",)
+    sampled, rest = listener.asked[:2], listener.asked[2:]
+    assert all(count == 10 for _, count, _ in sampled)
+    left = len(repeats().instances) - 10
+    assert rest == [(purpose, left, ("shadow_volume",)) for purpose in Purpose]
+    assert report.left == 0
+
+
+def test_what_the_time_limit_leaves_is_done_by_the_next_job(folder: Path) -> None:
+    class Late(Replay):
+        """Its job has no time left after the sample."""
+
+        def runs(self, benchmark: Benchmark, words: str) -> None:
+            if words.startswith("Sample"):
+                super().runs(benchmark, words)
+
+    slow = {"chan_hybrid": 1.3}
+    wanted = request(folder, sample=12, learn=False, seed=1)
+    first = rebenchmark(wanted, Late(CALM + 1, slow), machine(), NOW)
+    assert {one.technique for one in first.drifted} == {"chan_hybrid"}
+    assert first.left == len(repeats().instances) - 12
+    listener = Replay(CALM + 1, slow)
+    second = rebenchmark(wanted, listener, machine(), NOW + timedelta(hours=24))
+    assert second.causes == ("times that had drifted were left to be measured again",)
+    assert second.stale["chan_hybrid"]["drift"] == first.left
+    assert listener.asked[-1] == (Purpose.TIMES, first.left, ("chan_hybrid",))
+    assert second.left == 0
+
+
+def test_old_times_are_stale_and_give_way(folder: Path) -> None:
+    wanted = request(folder, max_age=timedelta(days=10), learn=False)
+    report = rebenchmark(wanted, Replay(CALM + 1), machine(), NOW)
+    assert report.causes == ("times are older than they may be",)
+    assert report.left == 0
+    device = repeats().device.key
+    with Store.open(wanted.store, write=False) as store:
+        table = store.table(device)
+        before = store.table(device, before=NOW.isoformat())
+    most = int(before.times[Mobility.DYNAMIC].rounds.max())
+    assert table.times[Mobility.DYNAMIC].rounds.max() <= most, "old rounds and new ones do not add up"
+
+
+def test_another_driver_is_compared_with_the_one_before(folder: Path) -> None:
+    device = replace(repeats().device, gl_version="4.6 of tomorrow")
+    on = Machine(machine().bench, device)
+
+    report = rebenchmark(request(folder, learn=False), Replay(CALM + 1, device=device), on, NOW)
+    assert report.former == repeats().device
+    assert report.causes == ("the driver or the device has changed",)
+    assert all(set(counts) == {"device"} for counts in report.stale.values())
+    # What was compared were times of another driver: errors may differ there.
+    assert report.sampled is not None
+    assert report.sampled.measured > 0
+
+
+def test_a_model_that_cannot_be_read_is_replaced_and_kept(folder: Path) -> None:
+    wanted = request(folder)
+    wanted.model.write_bytes(b"no model")
+    report = rebenchmark(wanted, Replay(CALM + 1), machine(), NOW)
+    assert report.judged is not None
+    assert "cannot be used" in report.judged.decision.why
+    assert report.judged.decision.kept is not None
+    assert report.judged.decision.kept.read_bytes() == b"no model"
+    assert load(wanted.model).card["training"]["instances"] == len(repeats().instances)
+
+
+def test_a_job_that_is_stopped_leaves_all_whole_and_the_next_goes_on(folder: Path) -> None:
+    class Stopped(Replay):
+        def begins(self, words: str) -> None:
+            super().begins(words)
+            if words.startswith("Gathering"):
+                raise KeyboardInterrupt
+
+    wanted = request(folder)
+    model = wanted.model.read_bytes()
+    slow = {"shadow_map": 1.15}
+    with pytest.raises(KeyboardInterrupt):
+        rebenchmark(wanted, Stopped(CALM + 1, slow), machine(), NOW)
+    # Drift is in the report already, and the model is the old one.
+    record = json.loads(json_path(wanted.report).read_text())
+    assert (record["finished"], record["alarm"]) == (False, True)
+    assert wanted.report.read_bytes().startswith(PAGE_BEGINNING)
+    assert wanted.model.read_bytes() == model
+    # The evidence has changed since the model was learnt, which the next job finds out by itself.
+    report = rebenchmark(wanted, Replay(CALM + 1, slow), machine(), NOW + timedelta(days=1))
+    assert report.causes == ()
+    assert report.judged is not None
+    assert report.judged.contest is not None
+    assert not report.judged.as_is
+
+
+def test_a_begun_sample_is_gone_on_with(folder: Path) -> None:
+    class Stopped(Replay):
+        def runs(self, benchmark: Benchmark, words: str) -> None:
+            if benchmark.order.job.purpose is Purpose.TIMES:
+                raise KeyboardInterrupt
+            super().runs(benchmark, words)
+
+    wanted = request(folder, sample=10)
+    before = facts(folder / "e.sqlite")
+    with pytest.raises(KeyboardInterrupt):
+        rebenchmark(wanted, Stopped(CALM + 1), machine(), NOW)
+    assert beside(wanted.store, SAMPLE).exists()
+    assert facts(folder / "e.sqlite") == before
+    today, tomorrow = NOW + timedelta(hours=3), NOW + timedelta(days=1)
+    report = rebenchmark(wanted, Replay(CALM + 1), machine(), today)
+    assert report.sampled is not None
+    assert report.sampled.seed == 20300220
+    assert rebenchmark(wanted, Replay(CALM + 1), machine(), tomorrow).sampled.seed == 20300221  # type: ignore[union-attr]
+
+
+def test_two_jobs_are_kept_apart(folder: Path) -> None:
+    wanted = request(folder)
+    mine = f"process {os.getpid()}, since 20"
+    with locked(beside(wanted.store, LOCK)), pytest.raises(BusyError, match=mine):
+        rebenchmark(wanted, Replay(CALM), machine(), NOW)
+    # The command says so, with its own exit code.
+    with locked(beside(wanted.store, LOCK)):
+        result = gnomon("rebenchmark", "--store", wanted.store, "-o", folder / "other.html")
+    assert result.exit_code == BusyError.exit_code
+    assert "Another re-benchmark job is running" in result.stderr
+    assert str(beside("postgresql://host/evidence", LOCK)).endswith(LOCK)
+
+
+def test_files_of_others_are_not_overwritten(folder: Path) -> None:
+    page = folder / "page.html"
+    page.write_text("mine")
+    result = gnomon("rebenchmark", "--store", folder / "e.sqlite", "-o", page)
+    assert (result.exit_code, page.read_text()) == (5, "mine")
+    page.unlink()
+    (folder / "page.json").write_text('{"mine": 1}')
+    result = gnomon("rebenchmark", "--store", folder / "e.sqlite", "-o", page)
+    assert result.exit_code == 5
+    assert "page.json" in result.stderr
+    assert json_path(request(folder).report).read_bytes().startswith(JSON_BEGINNING)
+
+
+@pytest.mark.parametrize("text", ["1", "0h", "soon", "-3h", "3 weeks"])
+def test_times_are_checked(text: str) -> None:
+    assert gnomon("rebenchmark", "--every", text).exit_code == 2
+
+
+def test_a_first_job_measures_a_baseline_and_the_second_compares(tmp_path: Path) -> None:
+    level = small_level(tmp_path)
+    options = [
+        *("rebenchmark", "--store", tmp_path / "e.sqlite", "--corpus", level, "--levels", level),
+        *("--resolution", "96x64", "-t", "SV", "--rounds", 3, "--workers", 1, "-o", tmp_path / "night.html"),
+        *("--model", tmp_path / "m.model"),
+    ]
+    first = succeeded(*options)
+    assert "a baseline was measured" in first.stdout
+    assert "too little evidence" in first.stdout
+    second = succeeded(*options)
+    assert "Nothing has moved" in second.stdout
+    assert not (tmp_path / "m.model").exists()
+
+
+def test_sigterm_ends_the_waiting_well(tmp_path: Path) -> None:
+    level = small_level(tmp_path)
+    command = program(
+        *("rebenchmark", "--store", tmp_path / "e.sqlite", "--corpus", level, "--every", "24h"),
+        *("--resolution", "32x32", "-t", "SV", "--rounds", 1, "-o", tmp_path / "night.html", "--no-train"),
+    )
+    with subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        said = []
+        for line in process.stderr:
+            said.append(line)
+            if "The next job begins" in line:
+                break
+        time.sleep(0.2)
+        process.send_signal(signal.SIGTERM)
+        said.append(process.stderr.read())
+        assert process.wait(60) == 0, said
+    assert "no job was running" in said[-1]
