@@ -1,0 +1,111 @@
+// The table of lights: one group of rows a light, predicted above measured, and what is behind them below.
+
+import { lightsOf, verdict } from "./answers.js";
+import { at, badge, html, mark, meter, techniqueTitle } from "./elements.js";
+import { details } from "./details.js";
+import { counted, ms, percent, px, range, sentence } from "./words.js";
+
+const CLOSE_CALL = 0.6;
+const COLUMNS = ["Light", "Use", "Shadow time", "Edge off", "Confidence", "Why"];
+const NUMBERS = new Set(["Shadow time", "Edge off", "Confidence"]);
+
+const open = new Set();
+let before = new Map();
+
+export function forgetRows() {
+  open.clear();
+  before = new Map();
+}
+
+export function showLights(predicted, measured) {
+  const lights = lightsOf(predicted, measured);
+  const head = COLUMNS.map((name) => html("th", { scope: "col", role: "columnheader", class: NUMBERS.has(name) ? "number" : "" }, name));
+  const table = html("table", { class: measured && predicted ? "lights both" : "lights", role: "table", "aria-label": "Lights" },
+    html("thead", { role: "rowgroup" }, html("tr", { role: "row" }, ...head)),
+    ...lights.map(group));
+  const focused = document.activeElement?.closest?.("[data-node]")?.dataset.node;
+  at("lights").replaceChildren(table);
+  if (focused !== undefined) table.querySelector(`[data-node="${focused}"] .opens`)?.focus();
+  before = new Map(lights.map((light) => [light.node, light.predicted?.chosen?.name]));
+  at("expand").textContent = open.size > 0 ? "Close all" : "Open all";
+  at("expand").onclick = () => all(table, open.size === 0);
+  return lights;
+}
+
+function all(table, wanted) {
+  for (const button of table.querySelectorAll(".opens")) {
+    if ((button.getAttribute("aria-expanded") === "true") !== wanted) button.click();
+  }
+}
+
+function group(light) {
+  const answers = [light.predicted, light.measured].filter(Boolean);
+  const key = String(light.node);
+  const id = `behind-${key}`;
+  const button = html("button", { type: "button", class: "opens", "aria-expanded": "false", "aria-controls": id }, html("bdi", {}, light.name || "unnamed"));
+  const mobility = answers.find((one) => one.mobility)?.mobility;
+  const facts = [light.kind, mobility].filter(Boolean).join(", ");
+  const name = html("th", { scope: "rowgroup", role: "rowheader", rowspan: answers.length, class: "light" }, button, html("span", { class: "under" }, facts || `node ${light.node}`));
+  const rows = answers.map((answer, index) => row(light, answer, index === 0 ? name : null));
+  const behind = html("tr", { role: "row", class: "behind", id, hidden: true }, html("td", { role: "cell", colspan: COLUMNS.length }));
+  const changed = light.predicted?.chosen && before.has(light.node) && before.get(light.node) !== light.predicted.chosen.name;
+  const body = html("tbody", { role: "rowgroup", "data-node": key, class: changed ? "changed" : "" }, ...rows, behind);
+  const turn = (wanted) => {
+    button.setAttribute("aria-expanded", String(wanted));
+    behind.hidden = !wanted;
+    body.classList.toggle("open", wanted);
+    if (wanted) open.add(key); else open.delete(key);
+    behind.firstChild.replaceChildren(...(wanted ? [details(light)] : []));
+    at("expand").textContent = open.size > 0 ? "Close all" : "Open all";
+  };
+  button.addEventListener("click", () => turn(behind.hidden));
+  for (const one of rows) {
+    one.addEventListener("click", (event) => {
+      if (!event.target.closest("button, a") && String(getSelection()) === "") turn(behind.hidden);
+    });
+  }
+  if (open.has(key)) turn(true);
+  return body;
+}
+
+function row(light, answer, name) {
+  const measured = answer.source === "measured";
+  const attributes = { role: "row", class: `answer ${answer.source}` };
+  const both = light.predicted && light.measured;
+  if (!answer.chosen) {
+    return html("tr", attributes, name, cell("Use", html("span", { class: "failure" }, both ? `${sentence(answer.source)}: ` : "", answer.problem), "none", { colspan: COLUMNS.length - 1 }));
+  }
+  const { chosen } = answer;
+  return html("tr", attributes, name,
+    cell("Use", [html("span", { class: "name" }, mark(chosen.technique), chosen.name), html("span", { class: "under" }, both ? answer.source : techniqueTitle(chosen.technique), badges(light, answer))], "use"),
+    cell("Shadow time", figure(ms(chosen.ms), chosen.msRange && range(chosen.msRange, "ms")), "number"),
+    cell("Edge off", figure(px(chosen.px), chosen.pxRange && range(chosen.pxRange, "px")), answer.within ? "number" : "number over"),
+    cell("Confidence", confidence(answer), "number"),
+    cell("Why", html("span", { class: "brief" }, measured ? answer.reason : why(answer)), "why"));
+}
+
+function cell(label, content, kind, more = {}) {
+  return html("td", { role: "cell", class: kind, "data-label": label, ...more }, ...[content].flat());
+}
+
+function figure(value, below) {
+  return [html("span", { class: "figure" }, value), below ? html("span", { class: "under" }, below) : null];
+}
+
+function confidence({ confidence: share }) {
+  if (share === null || share === undefined) return "-";
+  return [html("span", { class: "figure" }, percent(share)), share < CLOSE_CALL ? html("span", { class: "under" }, "close call") : meter(share, "meter")];
+}
+
+function why(answer) {
+  return answer.decidedBy.length > 0 ? sentence(answer.decidedBy.map((one) => one.words).join(", ")) : answer.reason;
+}
+
+function badges(light, answer) {
+  const found = [];
+  if (!answer.within) found.push(badge("over the limit", "over", "No candidate keeps the limit; this one comes closest."));
+  if (answer.outside.length > 0) found.push(badge("unusual", "", `${counted(answer.outside.length, "feature")} outside of what the model has learnt from`));
+  const judged = answer.source === "measured" ? verdict(light) : null;
+  if (judged) found.push(badge(...judged));
+  return found.length > 0 ? html("span", { class: "badges" }, ...found) : null;
+}

@@ -1,0 +1,53 @@
+// Figures and times as people read them.
+
+export function digits(value) {
+  if (value === 0) return "0";
+  if (Math.abs(value) >= 100) return Math.round(value).toLocaleString("en");
+  return Number(value.toPrecision(Math.abs(value) < 1 ? 2 : 3)).toString();
+}
+
+export const ms = (value) => (value === null || value === undefined ? "-" : `${digits(value)} ms`);
+
+const LEAST_PX = 0.01;
+
+export function px(value) {
+  if (value === null || value === undefined) return "no edge";
+  if (value === 0) return "exact";
+  return value < LEAST_PX ? `< ${LEAST_PX} px` : `${digits(value)} px`;
+}
+
+export function range([low, high], unit) {
+  if (high < LEAST_PX && unit === "px") return "";
+  const [from, to] = [digits(low), digits(high)];
+  return from === to ? "" : `${from} to ${to}`;
+}
+
+export const percent = (share) => (share === null || share === undefined ? "-" : `${Math.round(100 * share)} %`);
+
+// What a map covers is said only where it is not all that the light reaches.
+export function candidate(label, settings) {
+  const shown = Object.entries(settings ?? {}).filter(([name, value]) => name !== "focus" || value !== "light");
+  return [label, ...shown.map(([, value]) => value)].join(" ");
+}
+
+export const counted = (count, noun) => `${count.toLocaleString("en")} ${noun}${count === 1 ? "" : "s"}`;
+
+export function seconds(count) {
+  if (count < 60) return `${Math.max(1, Math.round(count))} s`;
+  const minutes = Math.floor(count / 60);
+  return minutes < 60 ? `${minutes} min ${Math.round(count % 60)} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+}
+
+export function ago(moment) {
+  const past = (Date.now() - new Date(moment).getTime()) / 1000;
+  if (!Number.isFinite(past)) return "";
+  if (past < 60) return "just now";
+  if (past < 3600) return `${Math.round(past / 60)} min ago`;
+  return past < 86400 ? `${Math.round(past / 3600)} h ago` : new Date(moment).toLocaleDateString();
+}
+
+export function listed(words) {
+  return words.length < 2 ? words.join("") : `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`;
+}
+
+export const sentence = (words) => words.charAt(0).toUpperCase() + words.slice(1);
