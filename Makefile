@@ -9,7 +9,8 @@ BIN := .venv/bin
 OUT := examples/out
 PYTEST = LP_NUM_THREADS=$(LP_NUM_THREADS) $(BIN)/pytest -q
 
-.PHONY: help setup demo examples test test-slow fuzz bench flip-agreement lint format lock clean validator
+.PHONY: help setup demo examples models test test-slow test-blender fuzz bench flip-agreement lint format lock \
+    clean validator
 .DEFAULT_GOAL := help
 
 help:
@@ -17,6 +18,7 @@ help:
 	@echo "make test       run the tests (TESTS=tests/scenes for a part of them)"
 	@echo "make lint       check style, types and imports"
 	@echo "make format     put the code into shape"
+	@echo "make models     learn the shipped models from the committed evidence again"
 	@echo "make test-slow  run the tests that take minutes"
 	@echo "make fuzz       feed the readers 100,000 broken files"
 	@echo "make bench      time the techniques; let nothing else run beside it"
@@ -38,6 +40,9 @@ demo: setup
 
 examples: setup
 	$(BIN)/python examples/write.py
+
+models: setup
+	$(BIN)/gnomon train --evidence models/evidence/corpus --device llvmpipe -o models/shipped/llvmpipe.model
 
 test: setup validator
 	$(PYTEST) -n $(WORKERS) -m "not slow" $(TESTS)
@@ -62,6 +67,7 @@ bench: setup
 	$(BIN)/python tests/bench/frames.py
 	$(BIN)/python tests/bench/techniques.py
 	$(BIN)/python tests/bench/store.py
+	$(BIN)/python tests/bench/benchmarking.py
 
 flip-agreement: setup
 	$(BIN)/python tests/bench/flip_agreement.py

@@ -16,7 +16,7 @@ from models.evaluation import Gap, Verdict
 from scenes.level import Level
 from selector.learning.predicting import Expected, Prediction, reason
 
-MOST_CHOICES = 6
+MOST_CHOICES = 3
 
 
 def print_features(console: Console, record: dict[str, Any]) -> None:
@@ -71,8 +71,7 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict], labels: tuple[
         )
     console.print(table)
     console.print(_by_family(verdicts))
-    for one in verdicts:
-        console.print(Text(f"{one.time}, {one.question}: best are {_most(one, labels)}."), soft_wrap=True)
+    console.print(_wins(verdicts, labels))
 
 
 def _gap(gap: Gap) -> str:
@@ -93,11 +92,22 @@ def _by_family(verdicts: Sequence[Verdict]) -> Table:
     return table
 
 
-def _most(verdict: Verdict, labels: tuple[str, ...]) -> str:
-    """The choices that win most often."""
-    counts = sorted(zip(verdict.wins.tolist(), labels, strict=True), reverse=True)
-    named = [f"{label} {count}" for count, label in counts[:MOST_CHOICES] if count]
-    return ", ".join(named)
+def _wins(verdicts: Sequence[Verdict], labels: tuple[str, ...]) -> Table:
+    """How often each technique is best, whatever its settings, and which choices are best most often."""
+    techniques = list(dict.fromkeys(label.split()[0] for label in labels))
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
+    for head in ("lights", "policy"):
+        table.add_column(head, no_wrap=True)
+    for technique in techniques:
+        table.add_column(technique, justify="right", no_wrap=True)
+    table.add_column("most often best")
+    for one in verdicts:
+        counts = dict(zip(labels, one.wins.tolist(), strict=True))
+        sums = [sum(n for label, n in counts.items() if label.split()[0] == name) for name in techniques]
+        most = sorted(counts.items(), key=lambda entry: (-entry[1], entry[0]))[:MOST_CHOICES]
+        named = ", ".join(f"{label} {count}" for label, count in most if count)
+        table.add_row(one.time, one.question, *map(str, sums), named)
+    return table
 
 
 def print_predictions(console: Console, level: Level, found: Sequence[Predicted]) -> None:

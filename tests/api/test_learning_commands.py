@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from features.table import NAMES
+from models.artifact import load
 from scenes.formats.registry import format_of
 from tests.api.command import answered, gnomon, succeeded
 from tests.selector.learning_evidence import FAMILIES, OF_EACH, filled
@@ -47,17 +48,18 @@ def test_files_of_evidence_do_as_well_as_a_store(store: Path, model: Path, tmp_p
 
 def test_a_judged_model_says_in_its_card_what_evaluate_says(store: Path, tmp_path: Path) -> None:
     told = answered("evaluate", "--store", store)["closed_gap"]
-    trained = answered("train", "--store", store, "-o", tmp_path / "judged.model")
-    assert trained["closed_gap"] == told
+    table = succeeded("train", "--store", store, "-o", tmp_path / "judged.model").stdout
+    card = load(tmp_path / "judged.model").card["evaluation"]
+    assert [told[one["mobility"]][one["policy"]] for one in card] == card
+    assert "closed gap by family" in table
+    assert "family 3" in table
+    assert "most often best" in table
     for mobility in ("dynamic", "static"):
         for policy in ("speed", "balanced", "quality"):
             one = told[mobility][policy]
             assert one["claimed"] == (one["closed_gap"] is not None)
             assert set(one["by_family"]) == {f"family {index}" for index in range(FAMILIES)}
             assert sum(one["wins"].values()) == sum(one["picks"].values()) == FAMILIES * OF_EACH
-    table = succeeded("evaluate", "--store", store).stdout
-    assert "closed gap by family" in table
-    assert "family 3" in table
 
 
 def test_recommend_answers_every_light_and_renders_nothing(level: Path, model: Path) -> None:
