@@ -99,9 +99,9 @@ class Guard:
             await response_of(_bug(request_id))(scope, flow.receive, noted)
         finally:
             seconds = time.perf_counter() - start
-            path = scope["path"] if scope["path"].isprintable() else ascii(scope["path"])
-            words = scope["method"], shortened(path, 200), status or "-", 1000 * seconds
-            log.info("%s %s %s %s %.1f ms", request_id, *words)
+            # Paths of jobs are keys to them: the log has the route.
+            path = getattr(scope.get("route"), "path", ascii(shortened(scope["path"], 200)))
+            log.info("%s %s %s %s %.1f ms", request_id, scope["method"], path, status or "-", 1000 * seconds)
             self._metrics.answered(scope, status, seconds)
 
     def _check(self, scope: Scope) -> None:

@@ -122,7 +122,13 @@ class JobDesk:
         self.check_room()
         job = secrets.token_urlsafe(24)
         self._folders.take(upload.folder, job)
-        row = self._store.add(job, looked["name"], looked["media_type"], options, looked["lights"])
+        try:
+            row = self._store.add(job, looked["name"], looked["media_type"], options, looked["lights"])
+        except sqlite3.Error as error:
+            self._folders.drop(job)
+            raise ProblemError(
+                "storage", "The queue of jobs cannot be written.", known=f"SQLite says: {error}."
+            ) from error
         self._work.set()
         return row
 
@@ -167,8 +173,7 @@ class JobDesk:
                 "already-ended", "This job has ended: it stays as it is.", known=f"It is {row.state}."
             )
         if self._running == job and self._worker:
-            # Whoever waits for it finds out.
-            self._worker.end()
+            self._worker.kill()
         elif self._running != job:
             self._folders.drop(job)
         self._tell(job)
@@ -227,7 +232,9 @@ class JobDesk:
                 if time.monotonic() - cleaned > CLEANING_S:
                     self._clean()
                     cleaned = time.monotonic()
-            except (LostWorkerError, sqlite3.Error, OSError) as error:
+            except Exception as error:
+                if not isinstance(error, (LostWorkerError, sqlite3.Error, OSError)):
+                    log.exception("a bug")
                 log.warning("the queue of jobs pauses for %g s: %s", pause_s, error)
                 await asyncio.sleep(pause_s)
                 pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
@@ -281,7 +288,8 @@ class JobDesk:
                 self._fail(row.id, problem_record(str(word["problem"]), *texts))
                 return
             else:
-                await run_in_threadpool(self._done, row.id, int(word["steps"]))
+                size = await run_in_threadpool(self._settled, row.id)
+                self._store.end(row.id, State.DONE, steps=int(word["steps"]), size=size)
                 return
 
     def _after_loss(self, job: str, error: LostWorkerError) -> None:
@@ -306,8 +314,12 @@ class JobDesk:
         return True
 
     def _done(self, job: str, steps: int) -> None:
+        self._store.end(job, State.DONE, steps=steps, size=self._settled(job))
+
+    def _settled(self, job: str) -> int:
+        """Keeps the results of a job only; gives their bytes."""
         self._folders.drop_level(job)
-        self._store.end(job, State.DONE, steps=steps, size=self._folders.size(job))
+        return self._folders.size(job)
 
     def _fail(self, job: str, problem: Json) -> None:
         self._store.end(job, State.FAILED, problem=problem)

@@ -158,9 +158,9 @@ def _inside(uri: str, where: str) -> Path:
 
 def _link(part: Path, target: Path) -> None:
     """Gives a part its name; one that several uris mean has several."""
-    if target.exists():
-        return
     try:
+        if target.exists():
+            return
         target.parent.mkdir(parents=True, exist_ok=True)
         os.link(part, target)
     except (OSError, ValueError) as error:

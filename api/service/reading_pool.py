@@ -116,7 +116,7 @@ class ReadingPool:
             self._waiting -= 1
 
     def _return(self, worker: Worker, answers: int) -> None:
-        if worker.alive and answers < MOST_ANSWERS and worker.held_bytes < self._limits.reading_bytes / 2:
+        if worker.alive and answers < MOST_ANSWERS and worker.own_bytes < self._limits.reading_bytes / 2:
             self._free.put_nowait((worker, answers))
             return
         worker.end()

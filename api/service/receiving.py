@@ -7,24 +7,23 @@ import errno
 import secrets
 import shutil
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, closing
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from starlette.concurrency import run_in_threadpool
-from starlette.datastructures import UploadFile
-from starlette.formparsers import MultiPartException, MultiPartParser
 from starlette.requests import Request
 
 from api.service.level_folder import PARTS, Part
 from api.service.level_names import SUFFIXES
+from api.service.multipart_files import MultipartFiles
 from api.service.problems import ProblemError
 from api.service.settings import Limits
+from api.wording import shortened
 
 MULTIPART = "multipart/form-data"
 ACCEPTED = (*SUFFIXES, MULTIPART)
-CHUNK_BYTES = 1 << 20
 
 Json = dict[str, Any]
 
@@ -78,7 +77,13 @@ class Reception:
             raise ProblemError(
                 "bad-media-type",
                 f"Levels come as {', '.join(ACCEPTED[:-1])} or {MULTIPART}.",
-                known=f"This came as {kind[:100]}." if kind else "The request has no Content-Type.",
+                known=f"This came as {shortened(kind, 100)}." if kind else "The request has no Content-Type.",
+            )
+        if (coding := request.headers.get("content-encoding", "identity")).lower() != "identity":
+            raise ProblemError(
+                "bad-media-type",
+                "Bodies that are compressed on the way are not read.",
+                known=f"This is {shortened(coding, 100)}.",
             )
         if self._taken >= self._limits.uploads:
             raise ProblemError("busy", "Too many levels come in at once.", headers={"Retry-After": "5"})
@@ -103,32 +108,17 @@ class Reception:
         with (folder / part.place).open("wb") as file:
             async for chunk in request.stream():
                 size += len(chunk)
-                await run_in_threadpool(file.write, chunk) if len(chunk) >= CHUNK_BYTES else file.write(chunk)
+                file.write(chunk)
         if not size:
             raise ProblemError("bad-level", "The body is empty: there is no level in it.")
         return Upload(folder, (part,))
 
     async def _files(self, request: Request, folder: Path) -> tuple[Part, ...]:
-        most = self._limits.parts
-        parser = MultiPartParser(request.headers, request.stream(), max_files=most, max_fields=0)
-        try:
-            form = await parser.parse()
-        except MultiPartException as error:
-            raise _malformed(error.message, most) from None
-        except (KeyError, LookupError, UnicodeError, ValueError):
-            raise _malformed("", most) from None
-        parts = []
-        try:
-            for index, (_, value) in enumerate(form.multi_items()):
-                assert isinstance(value, UploadFile), "no fields are let in"
-                part = Part(f"{PARTS}/{index}", value.filename or "", _level_type(value))
-                await run_in_threadpool(_copied, value, folder / part.place)
-                parts.append(part)
-        finally:
-            await form.close()
-        if not parts:
-            raise ProblemError("bad-level", "The upload has no files: there is no level in it.")
-        return tuple(parts)
+        files = MultipartFiles(request.headers["content-type"], folder, self._limits.parts)
+        with closing(files):
+            async for chunk in request.stream():
+                files.write(chunk)
+        return files.finish()
 
 
 def media_type(request: Request) -> str:
@@ -141,27 +131,3 @@ def no_room() -> ProblemError:
     return ProblemError(
         "storage", "The disk of the service is full.", remedy="Free some space, or ask who runs it."
     )
-
-
-def _malformed(words: str, most: int) -> ProblemError:
-    if words.startswith(("Too many", "Part exceeded")):
-        known = f"At most {most} files are taken, and nothing that is not a file."
-        return ProblemError(
-            "too-large", "The upload has too many parts, or parts that are no files.", known=known
-        )
-    return ProblemError(
-        "bad-request",
-        "The body is no valid multipart/form-data.",
-        known=words,
-        remedy="Every part needs a file name, and the body the boundary that its Content-Type names.",
-    )
-
-
-def _level_type(value: UploadFile) -> str:
-    found = (value.content_type or "").partition(";")[0].strip().lower()
-    return found if found in SUFFIXES else ""
-
-
-def _copied(value: UploadFile, target: Path) -> None:
-    with target.open("wb") as file:
-        shutil.copyfileobj(value.file, file, CHUNK_BYTES)

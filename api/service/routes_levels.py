@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
+from starlette.concurrency import run_in_threadpool
 
 from api.service.asked import LevelOptions
 from api.service.describing import file_response, level_body, problems
@@ -31,7 +32,7 @@ async def predict_level(request: Request, options: Annotated[LevelOptions, Query
     async with service.reception.upload(request) as upload:
         asked = upload.request("predict", options.model_dump(), service.settings.limits)
         answer = await service.pool.ask(asked)
-        data = (upload.folder / answer["file"]).read_bytes()
+        data = await run_in_threadpool((upload.folder / answer["file"]).read_bytes)
     return Response(data, media_type="application/json")
 
 
@@ -49,6 +50,6 @@ async def annotate_level(request: Request, options: Annotated[LevelOptions, Quer
     async with service.reception.upload(request) as upload:
         asked = upload.request("annotate", options.model_dump(), service.settings.limits)
         answer = await service.pool.ask(asked)
-        data = (upload.folder / answer["file"]).read_bytes()
+        data = await run_in_threadpool((upload.folder / answer["file"]).read_bytes)
     headers = {"Content-Disposition": attachment(annotated_name(answer["name"]))}
     return Response(data, headers=headers, media_type=answer["media_type"])

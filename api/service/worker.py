@@ -76,6 +76,13 @@ class Worker:
         return not self._ended and self._process.is_alive()
 
     @property
+    def own_bytes(self) -> int:
+        """Memory that it holds by itself."""
+        with suppress(psutil.Error):
+            return int(psutil.Process(self.pid).memory_info().rss)
+        return 0
+
+    @property
     def held_bytes(self) -> int:
         """Memory that it and all that it has started hold now."""
         total = 0
@@ -111,16 +118,20 @@ class Worker:
         assert isinstance(message, dict)
         return message
 
+    def kill(self) -> None:
+        """Whoever listens to it finds it dead, with all that it has started."""
+        # Those are in its group; it has none yet while it starts.
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.pid, signal.SIGKILL)
+        self._process.kill()
+
     def end(self) -> str:
         """Ends it with all that it has started, and says how it ended; nothing if it has been ended."""
         if self._ended:
             return ""
         self._ended = True
         code = self._process.exitcode
-        # Those that it has started are in its group; it has none yet while it starts.
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self.pid, signal.SIGKILL)
-        self._process.kill()
+        self.kill()
         self._process.join()
         self._pipe.close()
         code = self._process.exitcode if code is None else code
@@ -139,15 +150,15 @@ class Worker:
 
 async def _readable(pipe: Connection, seconds: float) -> bool:
     loop = asyncio.get_running_loop()
-    event = asyncio.Event()
-    loop.add_reader(pipe.fileno(), event.set)
+    event, number = asyncio.Event(), pipe.fileno()
+    loop.add_reader(number, event.set)
     try:
         async with asyncio.timeout(seconds):
             await event.wait()
     except TimeoutError:
         return False
     finally:
-        loop.remove_reader(pipe.fileno())
+        loop.remove_reader(number)
     return True
 
 
