@@ -62,16 +62,28 @@ class SelectorModel:
             inner,
         )
 
-    def costs(self, features: Floats, asked: Question, method: str | None = None) -> Floats:
+    def costs(
+        self,
+        features: Floats,
+        asked: Question,
+        method: str | None = None,
+        predicted: Predicted | None = None,
+    ) -> Floats:
         """(n, k) float64 expected costs, the lowest being the answer; by `method`, if one is given.
 
         Limits between those learnt from are fine; the single best choice is that of the nearest one.
+
+        Args:
+            features: (n, d) of each instance.
+            asked: The policy.
+            method: Another than the model's own.
+            predicted: What the performance model says of the same features, where that is known already.
         """
         by = method or self.method
         if by == FOREST:
             return self.forest.predict(np.hstack([features, _numbers(asked, len(features), self.questions)]))
         if by == PERFORMANCE:
-            predicted = self.performance.predict(features)
+            predicted = predicted or self.performance.predict(features)
             return expected_costs(predicted, self.missed, self.choices, asked, self.miss)
         single = int(self.single[self._nearest(asked)])
         return _single_costs(len(features), len(self.choices.method), single, self.miss)

@@ -160,9 +160,15 @@ class Advisor:
         refused: tuple[tuple[Candidate, str], ...],
     ) -> Prediction:
         columns = np.array([self._slots.index(Slot.of(one.technique, dict(one.settings))) for one in left])
-        expected = self._expected(rows, question, left, columns)
+        # All at once: most of the time goes into asking at all.
+        everything = np.concatenate([rows, self._varied(rows)])
+        predicted = self._model.performance.predict(everything)
+        all_costs = self._model.costs(everything, question, predicted=predicted)
+        costs = all_costs[: len(rows)].mean(axis=0)
+        expected = self._expected(predicted.only(np.arange(len(rows))), costs, question, left, columns)
         ranked = sorted(expected, key=lambda one: (one.cost, one.shadow_ms))
         chosen, runner_up = ranked[0], ranked[1] if len(ranked) > 1 else None
+        places = dict(zip(left, columns.tolist(), strict=True))
         return Prediction(
             mobility=Mobility(question.time),
             question=question,
@@ -172,17 +178,20 @@ class Advisor:
             confidence=self._confidence(chosen, runner_up, question),
             expected=tuple(ranked),
             refused=refused,
-            deciding=self._deciding(rows, question, ranked, dict(zip(left, columns.tolist(), strict=True))),
+            deciding=self._deciding(rows, ranked, places, costs, all_costs[len(rows) :]),
             outside=self._outside(rows),
             features=dict(zip(NAMES, rows.mean(axis=0).tolist(), strict=True)),
         )
 
     def _expected(
-        self, rows: Floats, question: Question, left: Sequence[Candidate], columns: Floats
+        self,
+        predicted: Predicted,
+        costs: Floats,
+        question: Question,
+        left: Sequence[Candidate],
+        columns: Floats,
     ) -> list[Expected]:
         model: SelectorModel = self._model
-        predicted = model.performance.predict(rows)
-        costs = self._costs(rows, question)
         keeps = keeps_limit(predicted, model.missed, model.choices, question.limit)
         times = _ranged(predicted, model, question.time)
         errors = _ranged(predicted, model, ERROR)
@@ -204,11 +213,6 @@ class Advisor:
             )
         return found
 
-    def _costs(self, rows: Floats, question: Question) -> Floats:
-        """(k,) mean over views."""
-        costs: Floats = self._model.costs(rows, question).mean(axis=0)
-        return costs
-
     def _confidence(self, chosen: Expected, runner_up: Expected | None, question: Question) -> float:
         if runner_up is None:
             return 1.0
@@ -226,22 +230,40 @@ class Advisor:
         neither = (1 - ours) * (1 - theirs)
         return ours * (1 - theirs) + ours * theirs * faster + neither / 2
 
-    def _deciding(
-        self, rows: Floats, question: Question, ranked: Sequence[Expected], columns: Mapping[Candidate, int]
-    ) -> tuple[Deciding, ...]:
-        """What would shrink the advantage over the best other technique, were it as usual."""
-        chosen = ranked[0].candidate
-        others = [one.candidate for one in ranked if one.candidate.technique != chosen.technique]
-        if self._model.method == SINGLE or not others:
-            return ()
-        ours, theirs = columns[chosen], columns[others[0]]
+    def _varied(self, rows: Floats) -> Floats:
+        """(f * v, f) the features of each view, with one after the other at its usual value."""
+        if self._model.method == SINGLE:
+            return rows[:0]
         usual = np.array([self._card["ranges"][name][1] for name in NAMES])
         varied = np.tile(rows[None], (len(NAMES), 1, 1))
         for index in range(len(NAMES)):
             varied[index, :, index] = usual[index]
-        costs = self._model.costs(rounded(varied.reshape(-1, len(NAMES))), question)
-        advantage = (costs[:, theirs] - costs[:, ours]).reshape(len(NAMES), len(rows)).mean(axis=1)
-        now = self._costs(rows, question)
+        return rounded(varied.reshape(-1, len(NAMES)))
+
+    def _deciding(
+        self,
+        rows: Floats,
+        ranked: Sequence[Expected],
+        columns: Mapping[Candidate, int],
+        now: Floats,
+        varied: Floats,
+    ) -> tuple[Deciding, ...]:
+        """What would shrink the advantage over the best other technique, were it as usual.
+
+        Args:
+            rows: Features by view.
+            ranked: All candidates, the best first.
+            columns: Their places among the costs.
+            now: (k,) costs as they are.
+            varied: (f * v, k) costs with each feature at its usual value.
+        """
+        chosen = ranked[0].candidate
+        others = [one.candidate for one in ranked if one.candidate.technique != chosen.technique]
+        if not len(varied) or not others:
+            return ()
+        ours, theirs = columns[chosen], columns[others[0]]
+        usual = np.array([self._card["ranges"][name][1] for name in NAMES])
+        advantage = (varied[:, theirs] - varied[:, ours]).reshape(len(NAMES), len(rows)).mean(axis=1)
         influence = (now[theirs] - now[ours]) - advantage
         mean = rows.mean(axis=0)
         found = []
