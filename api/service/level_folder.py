@@ -23,6 +23,7 @@ from scenes.level_file import read_level_file
 PARTS, LEVEL = "parts", "level"
 DATA = "data:"
 MOST_NAMED = 10
+LONGEST_PATH, DEEPEST_FOLDER = 1000, 32
 
 
 @dataclass(frozen=True)
@@ -147,11 +148,12 @@ def _named(path: Path) -> dict[Path, bool]:
 def _inside(uri: str, where: str) -> Path:
     relative = local_path(uri, where)
     text = str(relative)
-    if relative == Path() or "\\" in text or not text.isprintable():
+    long = len(text) > LONGEST_PATH or len(relative.parts) > DEEPEST_FOLDER
+    if relative == Path() or "\\" in text or not text.isprintable() or long:
         raise LevelError(
             f"The uri {uri[:80]!r} is no name of a file beside the level.",
             where=where,
-            remedy="Name the file by letters, digits and /.",
+            remedy="Name the file by letters, digits and /, and not at length.",
         )
     return relative
 

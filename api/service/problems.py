@@ -86,7 +86,9 @@ def problem_record(kind: str, detail: str, known: str = "", remedy: str = "") ->
 
 def of_error(error: GnomonError, kind: str = "bad-level") -> ProblemError:
     """One of our errors as a problem."""
-    detail = f"{error.where}: {error.what}" if error.where else error.what
+    # Where the service's own files lie is nobody's business.
+    shown = error.where and kind == "bad-level"
+    detail = f"{error.where}: {error.what}" if shown else error.what
     return ProblemError(kind, detail, known=error.known, remedy=error.remedy)
 
 

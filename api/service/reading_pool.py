@@ -34,7 +34,8 @@ class ReadingPool:
 
     def __init__(self, settings: Settings, entry: Entry) -> None:
         self._settings, self._entry = settings, entry
-        self._free: asyncio.Queue[tuple[Worker, int]] = asyncio.Queue()
+        # None wakes those who wait in vain.
+        self._free: asyncio.Queue[tuple[Worker, int] | None] = asyncio.Queue()
         self._hiring: set[asyncio.Task[None]] = set()
         self._all: set[Worker] = set()
         self._waiting = 0
@@ -109,11 +110,15 @@ class ReadingPool:
         self._waiting += 1
         try:
             async with asyncio.timeout(self._limits.waiting_s):
-                return await self._free.get()
+                taken = await self._free.get()
         except TimeoutError:
             raise busy from None
         finally:
             self._waiting -= 1
+        if taken is None:
+            assert self._unfit is not None
+            raise self._unfit
+        return taken
 
     def _return(self, worker: Worker, answers: int) -> None:
         if worker.alive and answers < MOST_ANSWERS and worker.own_bytes < self._limits.reading_bytes / 2:
@@ -145,6 +150,8 @@ class ReadingPool:
                     return
                 worker.end()
                 self._unfit = _problem(word)
+                for _ in range(self._waiting):
+                    self._free.put_nowait(None)
                 return
             await asyncio.sleep(pause_s)
             pause_s = min(2 * pause_s, LONGEST_PAUSE_S)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from scenes.errors import GnomonError
 from selector.learning.predicting import Advisor
 
 Result = TypeVar("Result")
+log = logging.getLogger(__name__)
 
 
 class Adviser:
@@ -38,6 +40,7 @@ class Adviser:
         try:
             self._advisor = Advisor(load(settings.model))
         except GnomonError as error:
+            log.error("%s", error)  # noqa: TRY400  a sentence is enough
             self.problem = of_error(error, "not-ready")
 
     async def ask(self, question: Callable[[Advisor], Result]) -> Result:
