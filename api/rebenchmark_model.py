@@ -104,7 +104,7 @@ def previous_digest(report: Path) -> str:
     """Digest of the evidence whose model the last report has judged; empty where there is no report."""
     try:
         values = json.loads(report.read_bytes())
-        return str((values.get("model") or {}).get("digest") or "")
+        return str(values.get("judged_digest") or "")
     except (OSError, ValueError, AttributeError):
         return ""
 

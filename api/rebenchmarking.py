@@ -195,6 +195,8 @@ class _Job:
         seed = begun_sample(sample_path, self.now)
         seed = seed if seed is not None else (today if request.seed is None else request.seed)
         self.bench = replace(self.machine.bench, deadline=deadline, seed=seed)
+        # The report of before is overwritten as soon as drift is known.
+        self.judged_before = previous_digest(json_path(request.report))
         self.former = predecessor(device, list(self.store.devices()), self.store.dated())
         fresh = self._freshness()
         report = Report(
@@ -399,7 +401,7 @@ class _Job:
             now=self.now,
             causes=causes,
             folds=self.request.folds,
-            judged_before=previous_digest(json_path(self.request.report)),
+            judged_before=self.judged_before,
         )
         return judged_model(fitting, self.listener.begins, self.listener.advances)
 
@@ -421,7 +423,10 @@ class _Job:
 
     def _leave(self, report: Report) -> Report:
         """Writes the report as it stands: the JSON, then the page."""
-        report = replace(report, elapsed_s=time.monotonic() - self.begun)
+        digest = report.judged.digest if report.judged else ""
+        report = replace(
+            report, elapsed_s=time.monotonic() - self.begun, judged_digest=digest or self.judged_before
+        )
         values = report_record(report, self.store)
         text = json.dumps(values, indent=2, allow_nan=False).encode() + b"\n"
         write_atomically(json_path(self.request.report), text)

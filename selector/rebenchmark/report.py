@@ -114,6 +114,7 @@ class Report:
         remeasured: Instances by purpose that were measured again beyond the sample.
         left: Stale instances and techniques that the time limit left for the next job.
         judged: The models.
+        judged_digest: Of the evidence whose model was compared last, by this job or an earlier one.
         watched: The lights.
     """
 
@@ -132,6 +133,7 @@ class Report:
     remeasured: Mapping[str, int] = field(default_factory=dict)
     left: int = 0
     judged: Judged | None = None
+    judged_digest: str = ""
     watched: Watched | None = None
 
     @property
@@ -183,6 +185,7 @@ def record(report: Report, instances: Mapping[str, InstanceRow], known: Mapping[
         "remeasured": dict(report.remeasured),
         "left": report.left,
         "model": _model_record(report.judged) if report.judged else None,
+        "judged_digest": report.judged_digest,
         "watched": _watched_record(report.watched) if report.watched else None,
     }
 
