@@ -10,7 +10,7 @@ OUT := examples/out
 PYTEST = LP_NUM_THREADS=$(LP_NUM_THREADS) $(BIN)/pytest -q
 
 .PHONY: help setup demo examples models test test-slow test-blender fuzz bench flip-agreement lint format lock \
-    clean validator
+    clean validator browser
 .DEFAULT_GOAL := help
 
 help:
@@ -20,6 +20,7 @@ help:
 	@echo "make format     put the code into shape"
 	@echo "make models     learn the shipped models from the committed evidence again"
 	@echo "make test-slow  run the tests that take minutes"
+	@echo "make test-blender  test the Blender extension in a real Blender (loads 400 MB once)"
 	@echo "make fuzz       feed the readers 100,000 broken files"
 	@echo "make bench      time the techniques; let nothing else run beside it"
 	@echo "make flip-agreement  compare the error figures with FLIP on 264 views (7 minutes)"
@@ -55,12 +56,24 @@ validator:
 	    else npm ci --loglevel=error --no-audit --no-fund && touch node_modules/.package-lock.json; fi; \
 	else echo "npm is not here: the tests that ask the glTF validator will be skipped."; fi
 
-test-slow: setup validator
+# The page of the service is tested in Debian's Chromium.
+browser:
+	@if command -v chromium >/dev/null; then :; \
+	elif [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    echo "installing chromium (the tests of the page need a browser)"; \
+	    apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium >/dev/null; \
+	else echo "chromium is not here: the tests of the page in a browser will be skipped."; fi
+
+test-slow: setup validator browser
 	$(PYTEST) -m slow --timeout 3600 $(TESTS)
 	GNOMON_CORPUS_EXAMPLES=15 $(PYTEST) -n $(WORKERS) --timeout 3600 tests/scenes/test_corpus_families.py
 
+test-blender: setup
+	PYTHON="$(PYTHON)" bash plugins/blender/test.sh
+
 fuzz: setup
-	GNOMON_FUZZ_EXAMPLES=20000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/scenes/test_*_fuzz.py
+	GNOMON_FUZZ_EXAMPLES=20000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/scenes/test_*_fuzz.py \
+	    tests/api/service/test_service_fuzz.py
 
 bench: setup
 	$(BIN)/python tests/bench/reading.py
@@ -87,6 +100,6 @@ lock: setup
 	    --custom-compile-command "make lock" --extra dev pyproject.toml -o requirements.lock
 
 clean:
-	rm -rf .venv $(OUT) build dist tests/validator/node_modules
+	rm -rf .venv .venv-blender $(OUT) build dist tests/validator/node_modules
 	rm -rf .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -prune -exec rm -rf {} +
