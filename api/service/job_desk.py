@@ -20,8 +20,8 @@ from starlette.concurrency import run_in_threadpool
 
 from api.service.job_folders import JobFolders
 from api.service.job_record import Progress, event_id, job_record
+from api.service.job_results import RESULTS
 from api.service.job_store import JobRow, JobStore, State
-from api.service.measuring_worker import RESULTS
 from api.service.problems import ProblemError, problem_record
 from api.service.receiving import Upload
 from api.service.settings import Settings
@@ -29,8 +29,6 @@ from api.service.worker import Entry, Loss, LostWorkerError, Worker
 
 START_S = 300.0
 RETRY_AFTER_S = 60
-MOST_STARTS = 10
-"""Of one job, whoever ended those before: one that takes the whole service along must not do so for ever."""
 CLEANING_S = 3600.0
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 1.0, 60.0
 
@@ -206,7 +204,7 @@ class JobDesk:
                 continue
             if self._folders.has_results(row.id):
                 self._done(row.id, row.steps)
-            elif row.starts >= MOST_STARTS:
+            elif row.starts >= self._settings.limits.starts:
                 self._fail(row.id, _gave_up(f"It was begun {row.starts} times, and never came to its end."))
             else:
                 self._store.requeue(row.id, crashed=False)

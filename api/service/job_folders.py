@@ -8,9 +8,9 @@ import shutil
 from collections.abc import Iterable
 from pathlib import Path
 
+from api.service.job_results import PARTIAL, RESULTS, sync_folder
 from api.service.job_store import JobStoreError
 from api.service.level_folder import LEVEL, PARTS
-from api.service.measuring_worker import PARTIAL, RESULTS
 
 JOBS, INCOMING, LOCK = "jobs", "incoming", "lock"
 
@@ -64,11 +64,7 @@ class JobFolders:
         """An upload that was looked at becomes a job's folder; it is there after a power cut."""
         shutil.rmtree(upload / PARTS)
         upload.rename(self.of(job))
-        descriptor = os.open(self.state / JOBS, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+        sync_folder(self.state / JOBS)
 
     def has_results(self, job: str) -> bool:
         """Whether all of them are there."""

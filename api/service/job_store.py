@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import sqlite3
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -116,11 +117,12 @@ class JobStore:
         try:
             # Calls come from the event loop alone, which tests run in a thread of its own.
             self._db = sqlite3.connect(self._path, isolation_level=None, check_same_thread=False)
-            self._db.row_factory = sqlite3.Row
-            self._db.execute("PRAGMA journal_mode=WAL")
-            # A commit is on disk before it is told.
-            self._db.execute("PRAGMA synchronous=FULL")
-            self._migrate()
+            with _closed_on_failure(self._db):
+                self._db.row_factory = sqlite3.Row
+                self._db.execute("PRAGMA journal_mode=WAL")
+                # A commit is on disk before it is told.
+                self._db.execute("PRAGMA synchronous=FULL")
+                self._migrate()
         except sqlite3.Error as error:
             raise JobStoreError(
                 "The queue of jobs cannot be opened.",
@@ -230,6 +232,15 @@ class JobStore:
         marks = ", ".join("?" * len(states))
         query = f"UPDATE jobs SET version = version + 1, {what} WHERE id = ? AND state IN ({marks})"  # noqa: S608  ours
         return self._db.execute(query, (*values, job, *states)).rowcount == 1
+
+
+@contextmanager
+def _closed_on_failure(db: sqlite3.Connection) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        db.close()
+        raise
 
 
 def _row(found: sqlite3.Row) -> JobRow:

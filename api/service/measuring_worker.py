@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import time
 from collections.abc import Sequence
@@ -20,6 +19,7 @@ from api.comparison_parts import LightParts
 from api.comparison_pictures import PictureBook
 from api.service.asked import JobOptions
 from api.service.child_process import Say, Work, work_through
+from api.service.job_results import ANNOTATED, PARTIAL, REPORT, RESULT, finish
 from api.service.level_folder import shown_as_name
 from api.service.level_names import annotated_name
 from api.service.problems import ProblemError
@@ -29,8 +29,6 @@ from scenes.atomic_file import write_atomically
 from selector.level_measuring import Answer, Request
 from selector.measuring import Plan
 
-RESULTS, PARTIAL = "results", "results.partial"
-RESULT, REPORT, ANNOTATED = "result.json", "report.html", "annotated"
 SECONDS_BETWEEN_WORDS = 0.2
 
 Json = dict[str, Any]
@@ -57,13 +55,6 @@ def _measurer(device: str | None) -> Work:
         return {"steps": steps}
 
     return work
-
-
-def finish(folder: Path) -> None:
-    """Gives results that are complete their name: from now on the job is done, whatever happens."""
-    _sync_folder(folder / PARTIAL)
-    (folder / PARTIAL).rename(folder / RESULTS)
-    _sync_folder(folder)
 
 
 def _measured(results: Path, level: Path, options: JobOptions, device: str | None, say: Say) -> int:
@@ -161,11 +152,3 @@ def _facts(work: Workload, left_out: int) -> PageFacts:
 def _no_answers(level: Path, found: Sequence[Answer]) -> ProblemError:
     reasons = "; ".join(dict.fromkeys(one.problem for one in found if one.problem))
     return ProblemError("bad-level", f"{level.name}: no light has a recommendation.", known=reasons)
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -12,9 +12,9 @@ from fastapi.responses import FileResponse, StreamingResponse
 from api.service.asked import JobOptions
 from api.service.describing import file_response, level_body, problems
 from api.service.job_record import job_path
+from api.service.job_results import ANNOTATED, REPORT, RESULT
 from api.service.job_store import JobRow, State
 from api.service.level_names import GLB, GLTF, annotated_name, attachment
-from api.service.measuring_worker import ANNOTATED, REPORT, RESULT
 from api.service.problems import ProblemError, bytes_of
 from api.service.records import Job, MeasuredLevel
 from api.service.state import Service, service_of
@@ -30,6 +30,11 @@ REPORT_POLICY = (
     "sandbox allow-scripts; default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
     "script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 )
+REPORT_HEADERS = {
+    "Content-Security-Policy": REPORT_POLICY,
+    # Browsers do not show a page that is both in a sandbox and apart from its opener (HTML, navigation).
+    "Cross-Origin-Opener-Policy": "unsafe-none",
+}
 ACCEPTED = {
     "description": "The job is queued",
     "headers": {
@@ -150,7 +155,7 @@ async def get_annotated_level(request: Request, job_id: str) -> Response:
 async def get_job_report(request: Request, job_id: str) -> Response:
     """The page that shows all candidates side by side, as `gnomon compare` writes it."""
     _, path = _result(request, job_id, REPORT)
-    return FileResponse(path, headers={"Content-Security-Policy": REPORT_POLICY}, media_type="text/html")
+    return FileResponse(path, headers=REPORT_HEADERS, media_type="text/html")
 
 
 def _level_options(options: dict[str, object]) -> dict[str, object]:

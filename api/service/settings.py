@@ -40,6 +40,8 @@ class Limits:
         measuring_bytes: Memory of the process that measures.
         queue: Jobs that wait or run.
         attempts: At a job, whose process died in those before.
+        starts: Of a job, whoever ended those before: one that takes the whole service along must not do so
+            for ever.
         kept_jobs: That have ended, before the oldest are forgotten.
         kept_s: For which such a job is kept.
         kept_bytes: Which the files of all such jobs take together.
@@ -66,6 +68,7 @@ class Limits:
     measuring_bytes: int = 8192 * MEBIBYTE
     queue: int = 32
     attempts: int = 3
+    starts: int = 10
     kept_jobs: int = 100
     kept_s: float = 7 * 86400.0
     kept_bytes: int = 4096 * MEBIBYTE
