@@ -44,7 +44,19 @@ ACCEPTED = {
 }
 STREAM = {
     "description": "Events `state` and `progress`, whose data is the record of the job",
-    "content": {EVENTS: {"schema": {"type": "string"}}},
+    "content": {
+        EVENTS: {
+            "schema": {
+                "type": "object",
+                "properties": {
+                    "id": {"type": "string"},
+                    "event": {"type": "string", "enum": ["state", "progress"]},
+                    "data": {"type": "string", "description": "The record, as JSON."},
+                },
+                "required": ["id", "event", "data"],
+            }
+        }
+    },
 }
 
 
