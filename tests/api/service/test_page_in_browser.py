@@ -136,7 +136,7 @@ def test_a_level_of_several_files_is_sent_whole_and_a_missing_one_is_named(
     path, buffer = split_level(tmp_path, level)
     at_page.level(path)
     page.wait_for_selector("#problem:visible")
-    assert "names 1 file that was not chosen with it: parts/a%20buffer.bin" in page.inner_text("#problem")
+    assert "names 1 file that was not chosen with it: parts/a buffer.bin" in page.inner_text("#problem")
     open_level(at_page, path, buffer)
     assert page.locator("#problem:visible").count() == 0
     assert page.locator(".opens").all_inner_texts() == ["Lamp", "Torch", "Sun"]

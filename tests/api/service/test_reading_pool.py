@@ -1,0 +1,122 @@
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import psutil
+import pytest
+
+from api.service.application import Entries
+from api.service.settings import Limits, Settings
+from tests.api.service import strange_workers
+from tests.api.service.running_service import PATIENCE_S, Running, problem, record, running
+
+LIMITS = replace(Limits(), reading_s=1.0, reading_bytes=400 << 20, waiting_s=200.0, uploads=4)
+STRANGE = Entries(strange_workers.read, strange_workers.measure)
+
+
+@pytest.fixture(scope="module")
+def strange(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    with running(Settings(state=tmp_path_factory.mktemp("state"), readers=1, limits=LIMITS), STRANGE) as up:
+        yield up
+
+
+def reader(strange: Running) -> int:
+    """The process that answers."""
+    response = strange.level(b"work")
+    assert response.status_code == 200, response.text
+    return int(record(response)["pid"])
+
+
+def test_a_reader_answers_again_and_again(strange: Running) -> None:
+    assert reader(strange) == reader(strange)
+
+
+@pytest.mark.parametrize(
+    ("word", "status", "kind", "words"),
+    [
+        (b"hang", 504, "too-long", "more than the 1 s"),
+        (b"crash", 422, "bad-level", "died of it"),
+        (b"exit", 422, "bad-level", "died of it"),
+        (b"eat", 422, "bad-level", "more memory"),
+        (b"feed", 422, "bad-level", "more memory"),
+    ],
+)
+def test_what_a_level_does_to_a_reader_it_does_to_nobody_else(
+    strange: Running, word: bytes, status: int, kind: str, words: str
+) -> None:
+    before = reader(strange)
+    assert words in problem(strange.level(word), status, kind)["detail"]
+    after = reader(strange)
+    # One that ran out of memory is still there: it was told so by the system.
+    assert (before == after) == (word == b"eat")
+    assert psutil.pid_exists(before) == (word == b"eat")
+
+
+def test_a_bug_is_told_without_its_place(strange: Running) -> None:
+    found = problem(strange.level(b"bug"), 500, "internal")
+    assert "ZeroDivisionError" in found["detail"]
+    assert reader(strange)
+
+
+def test_a_reader_takes_what_it_started_along(strange: Running) -> None:
+    strange.level(b"feed")
+    reader(strange)
+    mine = psutil.Process().children(recursive=True)
+    assert not [one for one in mine if "held = bytearray" in " ".join(one.cmdline())]
+
+
+def test_a_reader_that_is_killed_between_two_levels_is_replaced(strange: Running) -> None:
+    os.kill(reader(strange), signal.SIGKILL)
+    # The first level after it may still have been given to the dead one.
+    strange.level(b"work")
+    assert reader(strange)
+
+
+def test_the_service_answers_while_all_readers_hang(strange: Running) -> None:
+    with ThreadPoolExecutor(2) as threads:
+        hanging = threads.submit(strange.level, b"hang")
+        waiting = threads.submit(strange.level, b"work")
+        assert strange.client.get("/healthz").status_code == 200
+        assert hanging.result().status_code == 504
+        assert waiting.result().status_code == 200
+
+
+def test_more_levels_than_can_be_held_are_sent_away(strange: Running) -> None:
+    with ThreadPoolExecutor(12) as threads:
+        answers = list(threads.map(lambda _: strange.level(b"hang"), range(12)))
+    busy = [one for one in answers if one.status_code == 503]
+    assert busy
+    for one in busy:
+        problem(one, 503, "busy")
+        assert int(one.headers["retry-after"]) > 0
+    assert {one.status_code for one in answers} <= {503, 504}
+    assert reader(strange)
+
+
+def test_lost_readers_are_counted(strange: Running) -> None:
+    strange.level(b"exit")
+    assert 'gnomon_lost_readers_total{cause="crash"}' in strange.client.get("/metrics").text
+
+
+def test_without_a_model_it_says_so(tmp_path: Path) -> None:
+    entries = Entries(strange_workers.refuse, strange_workers.measure)
+    settings = Settings(state=tmp_path, model=tmp_path / "none.model", readers=1)
+    with running(settings, entries) as up:
+        until = time.monotonic() + PATIENCE_S
+        while up.level(b"work").status_code != 503 and time.monotonic() < until:
+            time.sleep(0.1)
+        assert "There is no model" in problem(up.level(b"work"), 503, "not-ready")["detail"]
+        assert "cannot be read" in problem(up.client.get("/readyz"), 503, "not-ready")["detail"]
+        assert up.client.get("/v1/techniques").status_code == 200
+
+
+def test_no_process_outlives_the_service(tmp_path: Path) -> None:
+    with running(Settings(state=tmp_path, readers=2, limits=LIMITS), STRANGE) as up:
+        pids = {reader(up) for _ in range(3)} | set(up.parts.pool.pids)
+    assert not [pid for pid in pids if psutil.pid_exists(pid)]
