@@ -1,6 +1,6 @@
 // What is behind a light's answer: reason, rivals, plot, what decided, what was refused.
 
-import { html, mark } from "./elements.js";
+import { html, mark, techniqueSummary, techniqueTitle } from "./elements.js";
 import { plot } from "./plot.js";
 import { counted, listed, ms, percent, px, range } from "./words.js";
 
@@ -54,6 +54,7 @@ function rivals(light, answer) {
     if (one) found.push(html("div", {}, html("dt", {}, term), html("dd", {}, html("span", { class: "name" }, mark(one.technique), one.name), ` ${ms(one.ms)}, ${px(one.px)}`)));
   };
   add("Choice", answer.chosen);
+  found[0].append(html("dd", { class: "under" }, `${techniqueTitle(answer.chosen.technique)}. ${techniqueSummary(answer.chosen.technique)}`));
   add("Runner-up", answer.runnerUp);
   if (answer.source === "measured" && light.predicted?.chosen && light.predicted.chosen.name !== answer.chosen.name) {
     add("Predicted one, measured", answer.candidates.find((one) => one.name === light.predicted.chosen.name));

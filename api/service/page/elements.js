@@ -45,6 +45,11 @@ export function techniqueIndex(label) {
 }
 
 export function techniqueTitle(label) {
+  const id = order.find((one) => one.label === label)?.id ?? "";
+  return `${id.charAt(0).toUpperCase()}${id.slice(1).replaceAll("_", " ")}`;
+}
+
+export function techniqueSummary(label) {
   return order.find((one) => one.label === label)?.summary ?? "";
 }
 

@@ -40,7 +40,7 @@ async function walk(entry, found) {
   }
 }
 
-// Gives {name, type, file, beside: [{uri, file}]}; throws a Problem in words.
+// Gives {name, type, file, beside: [{place, file}]}; throws a Problem in words.
 export async function levelOf(files) {
   const levels = files.filter((one) => isLevel(one.path));
   if (levels.length === 0) throw refusal("There is no .glb or .gltf among these files.", "Choose a glTF level, and with a .gltf the files that it names.");
@@ -67,8 +67,8 @@ async function uris(file) {
 
 function companions(wanted, level, files) {
   const folder = level.path.slice(0, level.path.length - lastOf(level.path).length);
-  const found = wanted.map((uri) => ({ uri, file: fileOf(uri, folder, files) }));
-  const missing = found.filter((one) => !one.file).map((one) => one.uri);
+  const found = wanted.map(placeOf).map((place) => ({ place, file: fileOf(place, folder, files) }));
+  const missing = found.filter((one) => !one.file).map((one) => one.place);
   if (missing.length > 0) {
     const names = missing.length > MOST_NAMED ? [...missing.slice(0, MOST_NAMED), "others"] : missing;
     throw refusal(`${lastOf(level.path)} names ${counted(missing.length, "file")} that ${missing.length === 1 ? "was" : "were"} not chosen with it: ${listed(names)}.`, "Choose them together, or drop the folder that holds them all.");
@@ -76,13 +76,15 @@ function companions(wanted, level, files) {
   return found;
 }
 
+// The path beside the level that a uri stands for: uris write a space as %20.
+function placeOf(uri) {
+  try { return decodeURIComponent(uri).replace(/^\.\//, ""); } catch { return uri; }
+}
+
 // By its place beside the level, or else by its name where only one file is called so.
-function fileOf(uri, folder, files) {
-  let plain = uri;
-  try { plain = decodeURIComponent(uri); } catch { /* As it stands, then. */ }
-  plain = plain.replace(/^\.\//, "");
-  const exact = files.find((one) => one.path === folder + plain);
-  const alike = files.filter((one) => lastOf(one.path) === lastOf(plain));
+function fileOf(place, folder, files) {
+  const exact = files.find((one) => one.path === folder + place);
+  const alike = files.filter((one) => lastOf(one.path) === lastOf(place));
   return exact?.file ?? (alike.length === 1 ? alike[0].file : undefined);
 }
 
@@ -95,8 +97,8 @@ export function sent(level) {
   if (level.beside.length === 0) return { method: "POST", headers: { "Content-Type": level.type }, body: level.file };
   const form = new FormData();
   form.append("level", new File([level.file], level.name, { type: level.type }), level.name);
-  for (const { uri, file } of level.beside) {
-    form.append("file", new File([file], uri, { type: "application/octet-stream" }), uri);
+  for (const { place, file } of level.beside) {
+    form.append("file", new File([file], place, { type: "application/octet-stream" }), place);
   }
   return { method: "POST", body: form };
 }

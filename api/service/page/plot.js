@@ -1,7 +1,7 @@
 // Time against error, both logarithmic; errors too small for a logarithm lie in a lane below.
 
 import { html, svg, techniqueIndex } from "./elements.js";
-import { digits, ms, px } from "./words.js";
+import { ms, px } from "./words.js";
 
 // Letters keep their size on a narrow screen, so the drawing has less room there.
 const WIDTH = matchMedia("(max-width: 44rem)").matches ? 380 : 640;
@@ -58,13 +58,13 @@ function frame(answer, across, up, lane, y) {
   const limit = answer.limit >= LEAST_PX ? y(answer.limit) : lane;
   return [
     svg("rect", { class: "band", x: LEFT, y: limit, width: RIGHT - LEFT, height: BOTTOM - limit }),
-    ...across.ticks.flatMap((one) => [line("grid", across.at(one), TOP, across.at(one), BOTTOM), text("tick", across.at(one), BOTTOM + 17, "middle", digits(one))]),
-    ...up.ticks.flatMap((one) => [line("grid", LEFT, up.at(one), RIGHT, up.at(one)), text("tick", LEFT - 8, up.at(one) + 4, "end", digits(one))]),
+    ...across.ticks.flatMap((one) => [line("grid", across.at(one), TOP, across.at(one), BOTTOM), text("tick", across.at(one), BOTTOM + 17, "middle", one.toLocaleString("en", { maximumFractionDigits: 4 }))]),
+    ...up.ticks.flatMap((one) => [line("grid", LEFT, up.at(one), RIGHT, up.at(one)), text("tick", LEFT - 8, up.at(one) + 4, "end", one.toLocaleString("en", { maximumFractionDigits: 4 }))]),
     line("lane", LEFT, lane, RIGHT, lane),
     text("tick", LEFT - 8, (lane + BOTTOM) / 2 + 4, "end", `< ${LEAST_PX}`),
     line("axis", LEFT, BOTTOM, RIGHT, BOTTOM),
     line("limit", LEFT, limit, RIGHT, limit),
-    text("tick", RIGHT - 4, limit + 14, "end", `within ${digits(answer.limit)} px`),
+    text("tick", RIGHT - 4, limit + 14, "end", `within ${answer.limit} px`),
     text("title", RIGHT, HEIGHT - 10, "end", "time of the shadow, ms"),
     svg("text", { class: "title", transform: `translate(13 ${TOP}) rotate(-90)`, "text-anchor": "end" }, "edge off by, px"),
   ];

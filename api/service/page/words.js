@@ -3,7 +3,7 @@
 export function digits(value) {
   if (value === 0) return "0";
   if (Math.abs(value) >= 100) return Math.round(value).toLocaleString("en");
-  return Number(value.toPrecision(Math.abs(value) < 1 ? 2 : 3)).toString();
+  return Math.abs(value) < 1 ? Number(value.toPrecision(2)).toString() : value.toPrecision(3);
 }
 
 export const ms = (value) => (value === null || value === undefined ? "-" : `${digits(value)} ms`);
