@@ -25,6 +25,9 @@ SHRINKS_ERROR = ("map_size",)
 
 NO_SETTING = -1.0
 
+FEWEST_FAMILIES, FEWEST_INSTANCES = 3, 20
+"""With one family held out to judge a model, two must be left: one is held out to settle on it."""
+
 
 class EvidenceError(GnomonError):
     """Evidence from which nothing can be learnt."""
@@ -172,11 +175,12 @@ def _merged(values: Array, tried: np.ndarray, columns: Sequence[Sequence[int]]) 
 
 def _require(families: np.ndarray, left_out: Mapping[str, int]) -> None:
     names = np.unique(families)
-    if len(names) >= 2 and len(families) >= 20:
+    if len(names) >= FEWEST_FAMILIES and len(families) >= FEWEST_INSTANCES:
         return
     why = ", ".join(f"{count} {reason}" for reason, count in left_out.items() if count)
+    left = f" Left out: {why}." if why else ""
     raise EvidenceError(
         f"There is too little evidence to learn from: {len(families)} instances of {len(names)} families.",
-        known=f"At least 20 of two families are needed.{f' Left out: {why}.' if why else ''}",
+        known=f"At least {FEWEST_INSTANCES} of {FEWEST_FAMILIES} families are needed.{left}",
         remedy="Benchmark more: `gnomon benchmark`.",
     )

@@ -15,8 +15,8 @@ from models.examples import Question
 from scenes.scene import Light, LightKind, Mobility, Scene, View
 from selector.evidence.rows import Role
 from selector.evidence.store import Store
-from selector.learning.dataset import EvidenceError, Slot, choices_of
-from selector.learning.featuring import features_of
+from selector.learning.dataset import EvidenceError, Slot, choices_of, dataset
+from selector.learning.featuring import extractor, features_of
 from selector.learning.odds import ahead
 from selector.learning.predicting import Predictor, reason, views_of
 from selector.learning.training import Learning, judged, learning, trained
@@ -78,6 +78,19 @@ def test_evidence_becomes_arrays(source: Learning, store: Store) -> None:
     assert examples.costs.shape == (6, *examples.offered.shape)
     assert (examples.costs[:, ~examples.offered] == MISS).all()
     assert (examples.costs.min(axis=2) == 1).all()
+
+
+def test_two_families_are_too_few_to_judge_a_model_by(store: Store) -> None:
+    table = store.table(DEVICE.key, role=Role.TRAINING)
+    times = {mobility: table.shadow_ms(mobility) for mobility in Mobility}
+    known = store.features(extractor())
+    families = {one.key: one.family for one in table.instances}
+    few = {key: values for key, values in known.items() if families[key] in ("family 0", "family 1")}
+    with pytest.raises(EvidenceError, match=f"{2 * OF_EACH} instances of 2 families") as caught:
+        dataset(table, times, few)
+    assert f"{(FAMILIES - 2) * OF_EACH} without features" in str(caught.value)
+    three = few | {key: values for key, values in known.items() if families[key] == "family 2"}
+    assert len(dataset(table, times, three).examples) == 3 * OF_EACH
 
 
 def test_settings_become_numbers() -> None:
