@@ -15,7 +15,8 @@ from features.extraction import extract, extractor_version
 from features.level_survey import LevelSurvey
 from features.table import FEATURES
 from models.artifact import Artifact, packed
-from models.evaluation import OnFold, Verdict
+from models.evaluation import OnFold, Verdict, Winners
+from models.evaluation import winners as who_wins
 from scenes.atomic_file import write_atomically
 from scenes.level import Level
 from scenes.scene import View
@@ -24,6 +25,7 @@ from selector.evidence.store import Store
 from selector.learning.featuring import OnInstance
 from selector.learning.training import Learning, judged, learning, trained, verdict_record
 from selector.level_measuring import STRIKES_NOTHING, seen_lights
+from selector.policy import MISS
 
 Json = dict[str, Any]
 
@@ -52,6 +54,28 @@ def learnt(source: Store, device: str | None, levels: Path | None, on_instance: 
 def evaluation(source: Learning, on_fold: OnFold) -> tuple[Verdict, ...]:
     """How good a model of it is, on families that it was not learnt from."""
     return judged(source, on_fold)
+
+
+def winners(source: Learning) -> tuple[Winners, ...]:
+    """Who wins under each policy, and what there is to gain."""
+    return who_wins(source.dataset.examples, MISS)
+
+
+def winners_record(source: Learning, found: Sequence[Winners]) -> Json:
+    """Winners as JSON values: mobility -> policy -> technique -> how often, and what there is to gain."""
+    slots = source.dataset.slots
+    record: Json = {}
+    for one in found:
+        counts: dict[str, int] = {}
+        for slot, count in zip(slots, one.wins.tolist(), strict=True):
+            label = slot.label.split()[0]
+            counts[label] = counts.get(label, 0) + count
+        record.setdefault(one.time, {})[one.question] = {
+            "wins": counts,
+            "single_best": slots[one.single].label,
+            "single_over_best": one.single_over_best,
+        }
+    return record
 
 
 def write_model(source: Learning, verdicts: tuple[Verdict, ...], target: Path) -> Artifact:

@@ -98,6 +98,39 @@ class Verdict:
     picks: Numbers
 
 
+@dataclass(frozen=True)
+class Winners:
+    """Who wins under one question, and what there is to gain; nothing is learnt for it.
+
+    Attributes:
+        question: Its name.
+        time: The time that counts.
+        wins: (k,) how often each choice is the best.
+        single: The one choice that costs least for all.
+        single_over_best: Its mean cost over that of the best choices, families weighing alike.
+    """
+
+    question: str
+    time: str
+    wins: Numbers
+    single: int
+    single_over_best: float
+
+
+def winners(examples: Examples, miss: float) -> tuple[Winners, ...]:
+    """Who wins, for each question."""
+    singles = single_best(examples, miss)
+    found = []
+    for index, question in enumerate(examples.questions):
+        costs = np.where(examples.offered, examples.costs[index], miss)
+        means = np.average(costs, axis=0, weights=examples.weights)
+        best = float(np.average(costs.min(axis=1), weights=examples.weights))
+        wins = np.bincount(costs.argmin(axis=1), minlength=costs.shape[1])
+        single = int(singles[index])
+        found.append(Winners(question.name, question.time, wins, single, float(means[single]) / best))
+    return tuple(found)
+
+
 def evaluate(
     examples: Examples, miss: float, count: int = OUTER_FOLDS, on_fold: OnFold | None = None
 ) -> tuple[Verdict, ...]:

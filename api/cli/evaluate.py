@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+import typer
+
 from api.cli import learning_options as learning
 from api.cli import options
 
@@ -12,6 +16,10 @@ def evaluate(
     device: learning.Device = None,
     levels: learning.Levels = None,
     *,
+    quick: Annotated[
+        bool,
+        typer.Option("--quick", help="Only say who wins and what there is to gain; no model is judged."),
+    ] = False,
     as_json: options.AsJson = False,
 ) -> None:
     """Judge what can be learnt from evidence: the closed gap under each policy, and by family.
@@ -21,4 +29,4 @@ def evaluate(
     """
     from api.cli.learning_run import run_evaluate  # noqa: PLC0415
 
-    run_evaluate(learning.source(store, evidence, device, levels), as_json=as_json)
+    run_evaluate(learning.source(store, evidence, device, levels), quick=quick, as_json=as_json)

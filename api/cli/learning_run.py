@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from api.cli.learning_options import Source
-from api.cli.learning_tables import print_verdicts
+from api.cli.learning_tables import print_verdicts, print_winners
 from api.cli.progress import SECONDS_BETWEEN_LINES
 from api.cli.terminal import errors, print_json, printable, results
 from api.learning import (
@@ -18,6 +18,8 @@ from api.learning import (
     evidence,
     learning_record,
     learnt,
+    winners,
+    winners_record,
     write_model,
 )
 from api.wording import counted, path_words
@@ -58,19 +60,24 @@ def run_train(output: Path, source: Source, *, quick: bool, as_json: bool) -> No
         return
     console = results()
     if verdicts:
-        print_verdicts(console, verdicts, _labels(found))
+        print_verdicts(console, verdicts)
+        print_winners(console, winners(found), _labels(found))
     size = output.stat().st_size / 1024
     words = f"Wrote {output} ({size:,.0f} KiB); it chooses by its {artifact.model.method}."
     console.print(Text(printable(words)), soft_wrap=True)
 
 
-def run_evaluate(source: Source, *, as_json: bool) -> None:
-    """Judges what can be learnt, and prints it."""
-    found, verdicts = _learnt(source, judge=True)
+def run_evaluate(source: Source, *, quick: bool, as_json: bool) -> None:
+    """Judges what can be learnt, or only says who wins, and prints it."""
+    found, verdicts = _learnt(source, judge=not quick)
+    who = winners(found)
     if as_json:
-        print_json({**learning_record(found), "closed_gap": evaluation_record(found, verdicts)})
-    else:
-        print_verdicts(results(), verdicts, _labels(found))
+        gap = evaluation_record(found, verdicts)
+        print_json({**learning_record(found), "closed_gap": gap, "winners": winners_record(found, who)})
+        return
+    if verdicts:
+        print_verdicts(results(), verdicts)
+    print_winners(results(), who, _labels(found))
 
 
 def _labels(source: Learning) -> tuple[str, ...]:

@@ -12,9 +12,9 @@ from rich.text import Text
 
 from api.cli.terminal import printable, printable_name
 from api.predicting import Predicted
-from models.evaluation import Gap, Verdict
+from models.evaluation import Gap, Verdict, Winners
 from scenes.level import Level
-from selector.learning.predicting import Expected, Prediction, reason
+from selector.learning.predicting import LEAST_SHOWN, Expected, Prediction, reason
 
 MOST_CHOICES = 3
 
@@ -39,8 +39,8 @@ def print_features(console: Console, record: dict[str, Any]) -> None:
         console.print(table)
 
 
-def print_verdicts(console: Console, verdicts: Sequence[Verdict], labels: tuple[str, ...]) -> None:
-    """The closed gap under each policy, then by family, then who wins."""
+def print_verdicts(console: Console, verdicts: Sequence[Verdict]) -> None:
+    """The closed gap under each policy, then by family."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
     heads = (
         "lights",
@@ -71,7 +71,6 @@ def print_verdicts(console: Console, verdicts: Sequence[Verdict], labels: tuple[
         )
     console.print(table)
     console.print(_by_family(verdicts))
-    console.print(_wins(verdicts, labels))
 
 
 def _gap(gap: Gap) -> str:
@@ -92,7 +91,7 @@ def _by_family(verdicts: Sequence[Verdict]) -> Table:
     return table
 
 
-def _wins(verdicts: Sequence[Verdict], labels: tuple[str, ...]) -> Table:
+def print_winners(console: Console, found: Sequence[Winners], labels: tuple[str, ...]) -> None:
     """How often each technique is best, whatever its settings, and which choices are best most often."""
     techniques = list(dict.fromkeys(label.split()[0] for label in labels))
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
@@ -101,13 +100,16 @@ def _wins(verdicts: Sequence[Verdict], labels: tuple[str, ...]) -> Table:
     for technique in techniques:
         table.add_column(technique, justify="right", no_wrap=True)
     table.add_column("most often best")
-    for one in verdicts:
+    table.add_column("one for all")
+    table.add_column("single/best", justify="right")
+    for one in found:
         counts = dict(zip(labels, one.wins.tolist(), strict=True))
         sums = [sum(n for label, n in counts.items() if label.split()[0] == name) for name in techniques]
         most = sorted(counts.items(), key=lambda entry: (-entry[1], entry[0]))[:MOST_CHOICES]
         named = ", ".join(f"{label} {count}" for label, count in most if count)
-        table.add_row(one.time, one.question, *map(str, sums), named)
-    return table
+        gain = f"{one.single_over_best:.2f}"
+        table.add_row(one.time, one.question, *map(str, sums), named, labels[one.single], gain)
+    console.print(table)
 
 
 def print_predictions(console: Console, level: Level, found: Sequence[Predicted]) -> None:
@@ -144,6 +146,8 @@ def _cells(found: Prediction) -> list[str]:
 
 
 def _ranged(value: float, ends: tuple[float, float]) -> str:
+    if ends[1] < LEAST_SHOWN:
+        return f"< {LEAST_SHOWN:g}"
     return f"{value:.2g} ({ends[0]:.2g} .. {ends[1]:.2g})"
 
 

@@ -42,4 +42,7 @@ def run_serve(settings: Settings, *, quiet: bool) -> None:
     def announce(url: str) -> None:
         console.print(Text(f"Gnomon is at {url} - open it in a browser. Ctrl-C ends it."), soft_wrap=True)
 
-    serve(settings, announce)
+    try:
+        serve(settings, announce)
+    finally:
+        ours.removeHandler(handler)

@@ -24,6 +24,9 @@ from selector.learning.odds import ahead
 INTERVAL = 0.8
 """Share of lights of unseen families whose true value lies between the ends that are told."""
 
+LEAST_SHOWN = 0.01
+"""Milliseconds and pixels below this are none to a designer."""
+
 MOST_DECIDING = 3
 LEAST_INFLUENCE = 0.02
 """Of the cost: a feature that matters less has not decided."""
@@ -333,6 +336,8 @@ def reason(prediction: Prediction) -> str:
 
 
 def _between(ends: tuple[float, float], unit: str) -> str:
+    if ends[1] < LEAST_SHOWN:
+        return f"less than {LEAST_SHOWN:g} {unit}"
     low, high = (f"{end:.2g}" for end in ends)
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 

@@ -62,6 +62,17 @@ def test_a_judged_model_says_in_its_card_what_evaluate_says(store: Path, tmp_pat
             assert sum(one["wins"].values()) == sum(one["picks"].values()) == FAMILIES * OF_EACH
 
 
+def test_who_wins_is_said_without_judging_a_model(store: Path) -> None:
+    found = answered("evaluate", "--store", store, "--quick")
+    assert found["closed_gap"] == {}
+    for of_mobility in found["winners"].values():
+        for one in of_mobility.values():
+            assert sum(one["wins"].values()) == FAMILIES * OF_EACH
+            assert one["single_best"] in found["choices"]
+            assert one["single_over_best"] >= 1
+    assert "one for all" in succeeded("evaluate", "--store", store, "--quick", width=160).stdout
+
+
 def test_recommend_answers_every_light_and_renders_nothing(level: Path, model: Path) -> None:
     found = answered("recommend", level, "--model", model, "--resolution", "96x64")
     assert [one["light"] for one in found["lights"]] == ["Lamp", "Torch", "Sun"]
