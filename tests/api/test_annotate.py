@@ -351,7 +351,7 @@ def test_a_level_that_changed_meanwhile_is_not_overwritten(
         (("--max-edge-error-px", "inf"), 2, "not a finite number of pixels"),
         (("--max-edge-error-px", "50%"), 2, '"50%" is not a number of pixels such as 1.5'),
         (("--rounds", "two"), 2, '"two" is not a whole number from 1 to 1000'),
-        (("--mode", "predict"), 2, '"predict" is not "measure"'),
+        (("--mode", "guess"), 2, '"guess" is not "measure" or "predict"'),
         (("--mobility", "floating"), 2, "floating"),
         (("--resolution", "big"), 2, "not a resolution"),
         (("--device", "Voodoo"), 4, "Voodoo"),
