@@ -48,7 +48,7 @@ def test_files_of_evidence_do_as_well_as_a_store(store: Path, model: Path, tmp_p
 
 def test_a_judged_model_says_in_its_card_what_evaluate_says(store: Path, tmp_path: Path) -> None:
     told = answered("evaluate", "--store", store)["closed_gap"]
-    table = succeeded("train", "--store", store, "-o", tmp_path / "judged.model").stdout
+    table = succeeded("train", "--store", store, "-o", tmp_path / "judged.model", width=160).stdout
     card = load(tmp_path / "judged.model").card["evaluation"]
     assert [told[one["mobility"]][one["policy"]] for one in card] == card
     assert "closed gap by family" in table
