@@ -81,6 +81,7 @@ bench: setup
 	$(BIN)/python tests/bench/techniques.py
 	$(BIN)/python tests/bench/store.py
 	$(BIN)/python tests/bench/benchmarking.py
+	$(BIN)/python tests/bench/service.py
 
 flip-agreement: setup
 	$(BIN)/python tests/bench/flip_agreement.py
