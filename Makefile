@@ -41,6 +41,7 @@ demo: setup
 
 examples: setup
 	$(BIN)/python examples/write.py
+	cp examples/street.glb api/service/page/street.glb
 
 models: setup
 	$(BIN)/gnomon train --evidence models/evidence/corpus --device llvmpipe -o models/shipped/llvmpipe.model

@@ -34,10 +34,11 @@ def test_the_wheel_holds_every_module_shader_and_template(wheel: zipfile.ZipFile
     sources = {
         path.relative_to(ROOT).as_posix()
         for package in PACKAGES
-        for suffix in ("py", "glsl", "html", "css", "js")
+        for suffix in ("py", "glsl", "html", "css", "js", "glb", "svg")
         for path in (ROOT / package).rglob(f"*.{suffix}")
     }
-    assert {Path(source).suffix for source in sources} == {".py", ".glsl", ".html", ".css", ".js"}
+    kinds = {Path(source).suffix for source in sources}
+    assert kinds == {".py", ".glsl", ".html", ".css", ".js", ".glb", ".svg"}
     assert sources <= set(wheel.namelist())
 
 
