@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Annotated
 
 import typer
@@ -14,19 +13,6 @@ RESOLUTION = options.Resolution(640, 512)
 DEFAULT_CORPUS = "quick"
 PURPOSES = ("errors", "times", "both")
 DEFAULT_STORE = "gnomon-evidence.sqlite"
-_SECONDS = {"s": 1, "m": 60, "min": 60, "h": 3600}
-
-
-def parse_time_limit(text: str | float) -> float:
-    """`90s`, `20min` or `2h` as seconds.
-
-    Raises:
-        BadParameter: It is none of these, or no time at all.
-    """
-    match = re.fullmatch(r"(\d{1,6}(?:\.\d{1,3})?)\s*(s|m|min|h)", str(text))
-    if match is None or float(match[1]) == 0:
-        raise typer.BadParameter(f'"{text}" is not a time such as 90s, 20min or 2h.')
-    return float(match[1]) * _SECONDS[match[2]]
 
 
 def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
@@ -65,7 +51,7 @@ def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are it
         typer.Option(
             "--time-limit",
             metavar="TIME",
-            parser=parse_time_limit,
+            parser=options.parse_time,
             help="Begin no further instance after this, such as 20min or 2h.",
             show_default="none",
         ),

@@ -17,6 +17,7 @@ SMALLEST_SIDE, LARGEST_SIDE = 16, 4096
 """8192x8192 took 12.5 GB of memory; a quarter of its pixels fits common machines."""
 MOST_DIGITS = 9
 LONGEST_SHOWN = 60
+_SECONDS = {"s": 1, "m": 60, "min": 60, "h": 3600, "d": 86_400}
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,18 @@ def parse_resolution(text: str | Resolution) -> Resolution:
     if not all(SMALLEST_SIDE <= side <= LARGEST_SIDE for side in (resolution.width, resolution.height)):
         raise typer.BadParameter(f"Both sides must be between {SMALLEST_SIDE} and {LARGEST_SIDE} pixels.")
     return resolution
+
+
+def parse_time(text: str | float) -> float:
+    """`90s`, `20min`, `2h` or `30d` as seconds.
+
+    Raises:
+        BadParameter: It is none of these, or no time at all.
+    """
+    match = re.fullmatch(r"(\d{1,6}(?:\.\d{1,3})?)\s*(s|m|min|h|d)", str(text))
+    if match is None or float(match[1]) == 0:
+        raise typer.BadParameter(f'"{text}" is not a time such as 90s, 20min, 2h or 30d.')
+    return float(match[1]) * _SECONDS[match[2]]
 
 
 def parse_pixels(text: str | float) -> float:

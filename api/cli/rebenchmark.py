@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Annotated
 
@@ -14,19 +13,6 @@ from api.cli import options
 DEFAULT_CORPUS = "quick"
 BASELINE_RESOLUTION = options.Resolution(640, 512)
 MAX_AGE_S = 90 * 86_400.0
-_SECONDS = {"s": 1, "m": 60, "min": 60, "h": 3600, "d": 86_400}
-
-
-def parse_time(text: str | float) -> float:
-    """`90s`, `20min`, `2h` or `30d` as seconds.
-
-    Raises:
-        BadParameter: It is none of these, or no time at all.
-    """
-    match = re.fullmatch(r"(\d{1,6}(?:\.\d{1,3})?)\s*(s|m|min|h|d)", str(text))
-    if match is None or float(match[1]) == 0:
-        raise typer.BadParameter(f'"{text}" is not a time such as 90s, 20min, 2h or 30d.')
-    return float(match[1]) * _SECONDS[match[2]]
 
 
 def rebenchmark(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
@@ -73,7 +59,7 @@ def rebenchmark(  # noqa: PLR0913, PLR0917  the options of the command line are 
         typer.Option(
             "--max-age",
             metavar="TIME",
-            parser=parse_time,
+            parser=options.parse_time,
             help="Times that are older are stale, such as 30d.",
             show_default="90d",
         ),
@@ -92,7 +78,7 @@ def rebenchmark(  # noqa: PLR0913, PLR0917  the options of the command line are 
         typer.Option(
             "--time-limit",
             metavar="TIME",
-            parser=parse_time,
+            parser=options.parse_time,
             help="Begin no further instance after this, such as 2h; the next job goes on.",
             show_default="none",
         ),
@@ -132,7 +118,7 @@ def rebenchmark(  # noqa: PLR0913, PLR0917  the options of the command line are 
         typer.Option(
             "--every",
             metavar="TIME",
-            parser=parse_time,
+            parser=options.parse_time,
             help="Stay, and begin a job so often, such as 24h; Ctrl-C or SIGTERM ends it.",
             show_default="once",
         ),

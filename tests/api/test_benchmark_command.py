@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from api.cli.benchmark import parse_time_limit
+from api.cli.options import parse_time
 from selector.evidence.store import Store
 from tests.api.command import answered, gnomon, running, wait_for_line
 from tests.small_level import SPOT, small_level, small_scene
@@ -86,4 +86,10 @@ def test_ctrl_c_ends_it_and_what_is_stored_stays(tmp_path: Path) -> None:
 
 
 def test_time_limits() -> None:
-    assert [parse_time_limit(text) for text in ("90s", "20min", "2h", "0.5 h")] == [90, 1200, 7200, 1800]
+    assert [parse_time(text) for text in ("90s", "20min", "2h", "0.5 h", "1d")] == [
+        90,
+        1200,
+        7200,
+        1800,
+        86_400,
+    ]
