@@ -77,7 +77,7 @@ fuzz: setup
 	    tests/api/service/test_service_fuzz.py
 
 bench: setup
-	$(BIN)/python tests/bench/reading.py
+	$(BIN)/python -m tests.bench.reading
 	$(BIN)/python tests/bench/frames.py
 	$(BIN)/python tests/bench/techniques.py
 	$(BIN)/python tests/bench/store.py

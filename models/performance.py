@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from models.examples import Bools, Choices, Examples, Floats, Numbers
 from models.fitting import boosted
+from models.leaf_masks import LeafMasks
 from models.trees import Trees
 
 ERROR, WORKS = "error", "works"
@@ -71,9 +73,10 @@ class PerformanceModel:
         }
         return cls(choices, trees)
 
-    def predict(self, features: Floats) -> Predicted:
-        """For (n, d) float64 features, what every choice would do."""
-        found = {name: self._predicted(name, features) for name in self.trees}
+    def predict(self, features: Floats, time: str | None = None) -> Predicted:
+        """For (n, d) float64 features, what every choice would do; of the times all, or one."""
+        wanted = (name for name in self.trees if time is None or name in (ERROR, WORKS, time))
+        found = {name: self._predicted(name, features) for name in wanted}
         works = np.clip(found.pop(WORKS), 0.0, 1.0)
         return Predicted(log_error=np.maximum(found.pop(ERROR), 0.0), works=works, log_times=found)
 
@@ -81,9 +84,23 @@ class PerformanceModel:
         found = np.zeros((len(features), len(self.choices.method)))
         for method, trees in enumerate(self.trees[name]):
             columns = np.flatnonzero(self.choices.method == method)
-            rows, _ = _rows(features, self.choices, columns)
-            found[:, columns] = trees.predict(rows).reshape(len(features), len(columns))
+            quick = self._masks(name, method, features.shape[1])
+            if quick is not None:
+                found[:, columns] = quick.predict(features, self.choices.settings[columns])
+            else:
+                rows, _ = _rows(features, self.choices, columns)
+                found[:, columns] = trees.predict(rows).reshape(len(features), len(columns))
         return found
+
+    def _masks(self, name: str, method: int, width: int) -> LeafMasks | None:
+        """The trees as masks of leaves, made when they are first asked; None where they have to be walked."""
+        if (name, method) not in self._made:
+            self._made[name, method] = LeafMasks.of(self.trees[name][method], width)
+        return self._made[name, method]
+
+    @cached_property
+    def _made(self) -> dict[tuple[str, int], LeafMasks | None]:
+        return {}
 
 
 def residuals(examples: Examples, predicted: Predicted) -> dict[str, Floats]:

@@ -83,7 +83,7 @@ class SelectorModel:
         if by == FOREST:
             return self.forest.predict(np.hstack([features, _numbers(asked, len(features), self.questions)]))
         if by == PERFORMANCE:
-            predicted = predicted or self.performance.predict(features)
+            predicted = predicted or self.performance.predict(features, asked.time)
             return expected_costs(predicted, self.missed, self.choices, asked, self.miss)
         single = int(self.single[self._nearest(asked)])
         return _single_costs(len(features), len(self.choices.method), single, self.miss)

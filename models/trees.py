@@ -94,6 +94,8 @@ class Trees:
         }
         leaves_stay = (self.left == node) & (self.right == node)
         checks["a leaf has children"] = bool((~leaf | leaves_stay).all())
+        reached = np.concatenate([self.starts, self.left[~leaf], self.right[~leaf]])
+        checks["a node has two parents"] = len(np.unique(reached)) == len(reached)
         return next((what for what, right in checks.items() if not right), "")
 
     @property

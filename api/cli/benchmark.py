@@ -12,7 +12,6 @@ from api.cli import options
 RESOLUTION = options.Resolution(640, 512)
 DEFAULT_CORPUS = "quick"
 PURPOSES = ("errors", "times", "both")
-DEFAULT_STORE = "gnomon-evidence.sqlite"
 
 
 def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are its arguments
@@ -86,9 +85,7 @@ def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are it
             show_default="all",
         ),
     ] = None,
-    store: Annotated[
-        str, typer.Option("--store", metavar="PATH|URL", help="Where the evidence is kept.")
-    ] = DEFAULT_STORE,
+    store: options.StoreUrl = options.DEFAULT_STORE,
     seed: Annotated[
         int,
         typer.Option(

@@ -22,6 +22,8 @@ from scenes.usd.walk import Item
 Numbers = npt.NDArray[np.int32]
 _FLOAT, _INT = np.dtype(np.float32), np.dtype(np.int32)
 _TURNED = ("holeIndices", "orientation")
+LONG = 8192
+"""From so many numbers in an array on, a call of its own for each is faster than `reduceat` (as measured)."""
 Flags = npt.NDArray[np.bool_]
 
 
@@ -124,14 +126,25 @@ def _face_sizes(lists: Sequence[_Lists]) -> tuple[Numbers, Numbers]:
     Raises:
         LevelError: They do not add up to the corners that a mesh has.
     """
-    counts, starts = (
-        np.concatenate([one.counts for one in lists]),
-        _starts([len(one.counts) for one in lists]),
-    )
-    fewest, most = np.minimum.reduceat(counts, starts), np.maximum.reduceat(counts, starts)
-    total = np.add.reduceat(counts, starts, dtype=np.int64)
+    arrays = [one.counts for one in lists]
+    lengths = [len(one) for one in arrays]
+    counts = arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
+    fewest, most = _reduced(np.minimum, counts, lengths), _reduced(np.maximum, counts, lengths)
+    total = fewest * np.array(lengths)
+    for index in np.flatnonzero(fewest != most).tolist():
+        total[index] = arrays[index].sum(dtype=np.int64)
     _require((fewest >= 0) & (total == [len(one.indices) for one in lists]), lists)
     return fewest, most
+
+
+def _reduced(ufunc: np.ufunc, joined: npt.NDArray[Any], lengths: Sequence[int]) -> npt.NDArray[Any]:
+    """(m,) the least or greatest number of each of the arrays that are joined."""
+    starts = _starts(lengths)
+    if len(joined) > LONG * len(lengths):
+        parts = (joined[start : start + length] for start, length in zip(starts, lengths, strict=True))
+        return np.array([ufunc.reduce(part) for part in parts])
+    found: npt.NDArray[Any] = ufunc.reduceat(joined, starts)
+    return found
 
 
 def _triangles(lists: Sequence[_Lists], fewest: Numbers, most: Numbers) -> list[Triangles]:
@@ -154,7 +167,7 @@ def _triangles(lists: Sequence[_Lists], fewest: Numbers, most: Numbers) -> list[
         parts = [triangulated(one.counts, copied) for one, copied in zip(lists, copies, strict=True)]
         return _parted(_joined(parts), [len(part) for part in parts])
     # Without a sign, what is below 0 is the greatest.
-    highest = np.maximum.reduceat(triangles.ravel().view(np.uint32), _starts(faces) * 3)
+    highest = _reduced(np.maximum, triangles.ravel().view(np.uint32), [3 * count for count in faces])
     _require(highest < [len(one.positions) for one in lists], lists)
     return _parted(triangles, faces)
 
@@ -167,11 +180,12 @@ def _reaches(lists: Sequence[_Lists], positions: Sequence[Positions]) -> Array:
     """
     whole = positions[0].base if len(positions) > 1 else positions[0]
     assert isinstance(whole, np.ndarray)
-    numbers, starts = whole.view(np.float32).ravel(), _starts([3 * len(one) for one in positions])
+    numbers, lengths = whole.view(np.float32).ravel(), [3 * len(one) for one in positions]
     # The largest of numbers is finite only where all are.
-    reaches = np.maximum(-np.minimum.reduceat(numbers, starts), np.maximum.reduceat(numbers, starts))
+    reaches = np.maximum(-_reduced(np.minimum, numbers, lengths), _reduced(np.maximum, numbers, lengths))
     _require(np.isfinite(reaches), lists)
-    return reaches.astype(np.float64)
+    found: Array = reaches.astype(np.float64)
+    return found
 
 
 def _require(sound: Flags, lists: Sequence[_Lists]) -> None:

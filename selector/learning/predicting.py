@@ -165,7 +165,7 @@ class Advisor:
         columns = np.array([self._slots.index(Slot.of(one.technique, dict(one.settings))) for one in left])
         # All at once: most of the time goes into asking at all.
         everything = np.concatenate([rows, self._varied(rows)])
-        predicted = self._model.performance.predict(everything)
+        predicted = self._model.performance.predict(everything, question.time)
         all_costs = self._model.costs(everything, question, predicted=predicted)
         costs = all_costs[: len(rows)].mean(axis=0)
         expected = self._expected(predicted.only(np.arange(len(rows))), costs, question, left, columns)
@@ -195,26 +195,17 @@ class Advisor:
         columns: Floats,
     ) -> list[Expected]:
         model: SelectorModel = self._model
-        keeps = keeps_limit(predicted, model.missed, model.choices, question.limit)
-        times = _ranged(predicted, model, question.time)
-        errors = _ranged(predicted, model, ERROR)
-        found = []
-        for one, column in zip(left, columns, strict=True):
-            ms, ms_low, ms_high = (float(np.exp(values[:, column]).mean()) for values in times)
-            px, px_low, px_high = (max(float(np.expm1(values[:, column]).max()), 0.0) for values in errors)
-            found.append(
-                Expected(
-                    one,
-                    float(costs[column]),
-                    ms,
-                    (ms_low, ms_high),
-                    px,
-                    (px_low, px_high),
-                    float(predicted.works[:, column].min()),
-                    float(keeps[:, column].min()),
-                )
-            )
-        return found
+        likely = keeps_limit(predicted, model.missed, model.choices, question.limit)
+        times, errors = (
+            _ranged(predicted, model, target)[:, :, columns] for target in (question.time, ERROR)
+        )
+        ms = np.exp(times).mean(axis=1).T.tolist()
+        px = np.maximum(np.expm1(errors).max(axis=1), 0.0).T.tolist()
+        works, keeps = (values[:, columns].min(axis=0).tolist() for values in (predicted.works, likely))
+        return [
+            Expected(one, cost, *_with_range(ms[index]), *_with_range(px[index]), works[index], keeps[index])
+            for index, (one, cost) in enumerate(zip(left, costs[columns].tolist(), strict=True))
+        ]
 
     def _confidence(self, chosen: Expected, runner_up: Expected | None, question: Question) -> float:
         if runner_up is None:
@@ -342,11 +333,16 @@ def _between(ends: tuple[float, float], unit: str) -> str:
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 
-def _ranged(predicted: Predicted, model: SelectorModel, target: str) -> tuple[Floats, Floats, Floats]:
-    """(v, k) each: the prediction, and the ends between which four of five lie."""
+def _ranged(predicted: Predicted, model: SelectorModel, target: str) -> Floats:
+    """(3, v, k): the prediction, and the ends between which four of five lie."""
     values = predicted.target(target)
     low, high = interval(values, model.missed, model.choices, target, INTERVAL)
-    return values, np.minimum(low, values), np.maximum(high, values)
+    return np.stack([values, np.minimum(low, values), np.maximum(high, values)])
+
+
+def _with_range(three: list[float]) -> tuple[float, tuple[float, float]]:
+    value, low, high = three
+    return value, (low, high)
 
 
 def _slots(artifact: Artifact) -> list[Slot]:

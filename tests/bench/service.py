@@ -71,7 +71,9 @@ def run_server(kind: str, model: Path, state: Path) -> None:
     server = uvicorn.Server(
         uvicorn.Config(bare((state / "answer").read_bytes()), http="h11", log_level="error")
     )
-    with socket.create_server(("127.0.0.1", 0)) as listener:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP) as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
         say(f":{listener.getsockname()[1]}")
         server.run(sockets=[listener])
 

@@ -93,6 +93,8 @@ def changed(name: str, index: int, value: float) -> Trees:
         (changed("value", A_LEAF, np.inf), "finite"),
         (changed("starts", 0, len(GOOD.feature)), "root"),
         (changed("starts", 0, -1), "root"),
+        (changed("right", INNER, int(GOOD.left[INNER])), "two parents"),
+        (replace(GOOD, starts=np.concatenate([GOOD.starts, GOOD.starts[:1]])), "two parents"),
         (replace(GOOD, left=GOOD.left[:-1]), "length"),
         (replace(GOOD, baseline=np.zeros(2)), "outputs"),
     ],

@@ -7,7 +7,7 @@ import { at, setTechniques, show } from "./elements.js";
 import { ended } from "./events.js";
 import { chosen, dropped, levelOf, sent } from "./files.js";
 import { cancel, currentJob, downloadMeasured, downloadReport, follow, leave, listJobs } from "./job.js";
-import { closeLevel, jobInAddress, keepLevel, keptLevel, wasOpen } from "./kept.js";
+import { closeLevel, forgetJob, jobInAddress, keepLevel, keptLevel, putJobInAddress, wasOpen } from "./kept.js";
 import { forgetRows, showLights } from "./lights.js";
 import { ask, askJson, download, Problem } from "./service.js";
 import { enableWish, offerPolicies, query, sameAsked } from "./wish.js";
@@ -154,8 +154,22 @@ async function measure() {
   }
 }
 
+// The service keeps jobs for a while only, and one started anew elsewhere knows none.
+async function knownJob(id) {
+  try {
+    return await askJson(`/v1/jobs/${id}`);
+  } catch (error) {
+    if (error.status === 404) {
+      forgetJob(id);
+      putJobInAddress(currentJob()?.id ?? null);
+      listJobs(openJob);
+    }
+    throw error;
+  }
+}
+
 const openJob = (id) => attempt(async () => {
-  const job = await askJson(`/v1/jobs/${id}`);
+  const job = await knownJob(id);
   if (level && level.name !== job.level) [level, predicted] = [null, null];
   measured = null;
   forgetRows();

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import signal
 import socket
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from api.service.listening import ServeError, check, token_of, url_of
+from api.service.listening import ServeError, _listening, check, token_of, url_of
 from api.service.settings import Settings, default_state
 from tests.api.command import gnomon, running, started, wait_for_line
 
@@ -70,6 +71,24 @@ def test_an_address_is_what_a_browser_opens() -> None:
         assert url_of("127.0.0.1", listener) == f"http://127.0.0.1:{port}"
         assert url_of("::1", listener) == f"http://[::1]:{port}"
         assert url_of("0.0.0.0", listener) == f"http://127.0.0.1:{port}"  # noqa: S104  as it is named
+
+
+def test_small_answers_do_not_wait_for_an_acknowledgement(tmp_path: Path) -> None:
+    async def nodelay() -> int:
+        found: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+
+        async def accepted(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            made = writer.get_extra_info("socket")
+            found.set_result(made.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+            writer.close()
+
+        async with await asyncio.start_server(accepted, sock=listener):
+            _, writer = await asyncio.open_connection(*listener.getsockname())
+            writer.close()
+            return await asyncio.wait_for(found, 30)
+
+    with _listening(Settings(port=0, state=tmp_path)) as listener:
+        assert asyncio.run(nodelay())
 
 
 def test_a_port_that_is_taken_is_told(tmp_path: Path) -> None:

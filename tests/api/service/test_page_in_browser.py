@@ -265,6 +265,20 @@ def test_what_is_wrong_is_said_in_the_services_words(at_page: Visit, level: Path
     assert page.inner_text("#problem-what") == "These are 2 levels: one.glb, two.glb."
     page.evaluate("location.hash = '#job=aaaaaaaaaaaaaaaaaaaaaaaa'")
     page.wait_for_function("() => document.getElementById('problem-what').textContent.includes('job')")
+    page.wait_for_function("() => location.hash === ''")
+
+
+def test_a_job_that_the_service_no_longer_has_leaves_the_page(at_page: Visit) -> None:
+    page = at_page.page
+    job = {"id": "a" * 24, "level": "gone.glb", "state": "done", "created": "2030-01-01T00:00:00Z"}
+    page.evaluate(f"localStorage.setItem('gnomon.jobs', JSON.stringify([{json.dumps(job)}]))")
+    page.reload()
+    page.click(".jobs a:has-text('gone.glb')")
+    page.wait_for_selector("#problem:visible")
+    page.wait_for_function("() => document.querySelectorAll('.jobs li').length === 0")
+    page.reload()
+    page.wait_for_selector("body:not(.starting)")
+    assert page.locator("#problem:visible").count() == 0
 
 
 def test_a_name_is_text_whatever_it_holds(at_page: Visit, level: Path, tmp_path: Path) -> None:
