@@ -16,6 +16,8 @@ SMALLEST_DIVISOR = 1 / LARGEST
 MOST_TRIANGLES = 8_000_000
 # As many as so many triangles have that share none.
 MOST_VERTICES = 3 * MOST_TRIANGLES
+# A node takes 50 to 100 microseconds to read, here as in trimesh: so many, a quarter of a minute.
+MOST_NODES = 250_000
 
 
 def require_moderate(entry: Entry, key: str, *values: float) -> None:

@@ -15,6 +15,7 @@ from scenes.errors import LevelError
 from scenes.gltf.asset import Asset
 from scenes.gltf.transforms import composed, local_matrix
 from scenes.level import NoteBook
+from scenes.magnitudes import MOST_NODES
 from scenes.scene import Array
 
 SHOWN_OF_A_CYCLE = 8
@@ -64,8 +65,15 @@ def parents(asset: Asset) -> list[int | None]:
     """The parent of every node, None for roots.
 
     Raises:
-        LevelError: A node has two parents, is its own ancestor, or a child does not exist.
+        LevelError: There are too many, one has two parents or is its own ancestor, or a child does not exist.
     """
+    if asset.count("nodes") > MOST_NODES:
+        raise LevelError(
+            f"This level has {asset.count('nodes'):,} nodes.",
+            known=f"At most {MOST_NODES:,} are read.",
+            remedy="Join meshes that do not move, or let one node draw a mesh many times: "
+            "EXT_mesh_gpu_instancing.",
+        )
     found: list[int | None] = [None] * asset.count("nodes")
     for index in range(len(found)):
         node = asset.entry("nodes", index, "nodes")

@@ -1,4 +1,4 @@
-"""The triangles of an OBJ, PLY or STL file, read by trimesh; binary PLY is read here where it can be."""
+"""The triangles of an OBJ, PLY or STL file, read by trimesh; binary PLY and STL are read as they lie."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from scenes.errors import LevelError
 from scenes.level import NoteBook
 from scenes.magnitudes import LARGEST, MOST_TRIANGLES
 from scenes.plain.binary_ply import read_binary_ply
+from scenes.plain.binary_stl import read_binary_stl, triangle_count
 from scenes.plain.lights_file import is_lights_file
-from scenes.scene import Array, Mesh, Triangles
+from scenes.scene import Array, Mesh, Positions, Triangles
 
 _OBJ_VERTEX = re.compile(rb"^[ \t]*v[ \t]", re.MULTILINE)
 # Possessive, so that each byte is looked at once.
@@ -28,7 +29,6 @@ _OBJ_MATERIAL = re.compile(rb"^[ \t]*mtllib[ \t]+([^\r\n]+)", re.MULTILINE)
 _PLY_COUNT = re.compile(rb"^element[ \t]+\S+[ \t]+(\d+)", re.MULTILINE)
 _UTF8_MARK = b"\xef\xbb\xbf"
 _PLY_END = b"end_header"
-_STL_HEADER, _STL_TRIANGLE = 84, 50
 _EXPORT = "Export it again, as triangles."
 
 
@@ -44,7 +44,7 @@ def require_geometry(source: bytes, suffix: str) -> None:
         header = source[: source.find(_PLY_END)]
         if _PLY_END in source and all(int(count) <= len(source) for count in _counts(header)):
             return
-    if suffix == ".stl" and (source[:80].lstrip().startswith(b"solid") or _is_binary_stl(source)):
+    if suffix == ".stl" and (source[:80].lstrip().startswith(b"solid") or triangle_count(source) is not None):
         return
     raise LevelError(f"This is no {suffix[1:].upper()} file, or it was cut short.", remedy=_EXPORT)
 
@@ -87,7 +87,7 @@ def read_geometry(
     return tuple(meshes)
 
 
-def _mesh(name: str, points: Array, faces: Triangles, unit_m: float, *, z_up: bool) -> Mesh:
+def _mesh(name: str, points: Array | Positions, faces: Triangles, unit_m: float, *, z_up: bool) -> Mesh:
     # Corners that no triangle has may be anything, and large levels are not copied more often than needed.
     with np.errstate(over="ignore", invalid="ignore"):
         scaled = points if unit_m == 1.0 else np.multiply(points, unit_m, dtype=np.float64)
@@ -143,9 +143,13 @@ def _line(source: bytes, position: int) -> str:
     return f"line {line}"
 
 
-def _loaded(source: bytes, suffix: str, stem: str, notes: NoteBook) -> list[tuple[str, Array, Triangles]]:
+def _loaded(
+    source: bytes, suffix: str, stem: str, notes: NoteBook
+) -> list[tuple[str, Array | Positions, Triangles]]:
     if suffix == ".ply" and (found := read_binary_ply(source)):
         return [(stem, *found)]
+    if suffix == ".stl" and (triangles := read_binary_stl(source)):
+        return [(stem, *triangles)]
     if suffix == ".obj" and (source[:1].isspace() or any(mark in source for mark in _OBJ_ODD)):
         source = _OBJ_WORD.sub(rb"\1 ", source)
     # Faces belong to objects, whatever they are made of.
@@ -166,7 +170,7 @@ def _loaded(source: bytes, suffix: str, stem: str, notes: NoteBook) -> list[tupl
             known=f"trimesh says: {type(error).__name__}: {str(error)[:120]}.",
             remedy=_EXPORT,
         ) from error
-    loaded: list[tuple[str, Array, Triangles]] = []
+    loaded: list[tuple[str, Array | Positions, Triangles]] = []
     # By name: the order of trimesh is its own.
     for name, geometry in sorted(scene.geometry.items()):
         if isinstance(geometry, trimesh.Trimesh):
@@ -177,7 +181,7 @@ def _loaded(source: bytes, suffix: str, stem: str, notes: NoteBook) -> list[tupl
     return loaded
 
 
-def _require_sound(name: str, vertices: Array, faces: Triangles) -> None:
+def _require_sound(name: str, vertices: Array | Positions, faces: Triangles) -> None:
     if vertices.shape[1:] != (3,):
         raise LevelError(
             "A corner needs three numbers.",
@@ -207,8 +211,3 @@ def _require_sound(name: str, vertices: Array, faces: Triangles) -> None:
 def _counts(header: bytes) -> list[bytes]:
     # Longer numbers than any file's length are none, and Python refuses to read them.
     return [count if len(count) < 16 else b"9" * 16 for count in _PLY_COUNT.findall(header)]
-
-
-def _is_binary_stl(source: bytes) -> bool:
-    count = int.from_bytes(source[80:_STL_HEADER], "little")
-    return len(source) >= _STL_HEADER and len(source) >= _STL_HEADER + _STL_TRIANGLE * count

@@ -11,7 +11,7 @@ import pytest
 
 from scenes import level_file
 from scenes.errors import LevelError
-from scenes.gltf import amounts, buffers
+from scenes.gltf import amounts, buffers, nodes
 from scenes.gltf.accessors import AccessorReader
 from scenes.level_file import read_level_file
 from scenes.ray_caster import RayCaster
@@ -97,6 +97,18 @@ def test_the_limit_itself_is_read_and_what_is_not_drawn_does_not_count(
             patched.setattr(amounts, limit, 7)
             with pytest.raises(LevelError, match="at most 7 are read"):
                 read(tmp_path, source)
+
+
+def test_too_many_nodes_are_refused_before_they_are_walked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = tetrahedron(nodes=[{"mesh": 0}] * 5, scenes=[{"nodes": [0]}])
+    monkeypatch.setattr(nodes, "MOST_NODES", 5)
+    assert read(tmp_path, source).scene.triangle_count == 4
+    monkeypatch.setattr(nodes, "MOST_NODES", 4)
+    with pytest.raises(LevelError, match="This level has 5 nodes") as raised:
+        read(tmp_path, source)
+    assert "EXT_mesh_gpu_instancing" in raised.value.remedy
 
 
 def in_files(*names: str) -> Json:
