@@ -14,15 +14,17 @@ from api.wording import path_words
 from features.extraction import extract, extractor_version
 from features.level_survey import LevelSurvey
 from features.table import FEATURES
-from models.artifact import Artifact, packed
+from models.artifact import Artifact, load, packed
 from models.evaluation import OnFold, Verdict, Winners
 from models.evaluation import winners as who_wins
 from scenes.atomic_file import write_atomically
 from scenes.level import Level
 from scenes.scene import View
 from selector.evidence.importing import bring_in
+from selector.evidence.rows import Role
 from selector.evidence.store import Store
 from selector.learning.featuring import OnInstance
+from selector.learning.testing import tested
 from selector.learning.training import Learning, judged, learning, trained, verdict_record
 from selector.level_measuring import STRIKES_NOTHING, seen_lights
 from selector.policy import MISS
@@ -49,6 +51,21 @@ def evidence(store: str, folder: Path | None) -> Iterator[Store]:
 def learnt(source: Store, device: str | None, levels: Path | None, on_instance: OnInstance) -> Learning:
     """What there is to learn from, for one device's times."""
     return learning(source, device, levels, on_instance)
+
+
+def test_data(source: Store, device: str | None, levels: Path | None, on_instance: OnInstance) -> Learning:
+    """What no model may learn from, for one device's times."""
+    return learning(source, device, levels, on_instance, Role.TEST)
+
+
+def evaluation_of(model: Path, source: Learning) -> tuple[Verdict, ...]:
+    """How good a finished model is on what it was not learnt from.
+
+    Raises:
+        ModelError: It cannot be read, or knows other features.
+        EvidenceError: Some of its choices were not measured.
+    """
+    return tested(load(model), source)
 
 
 def evaluation(source: Learning, on_fold: OnFold) -> tuple[Verdict, ...]:

@@ -18,9 +18,10 @@ from selector.evidence.rows import DeviceRow
 from selector.evidence.store import Store
 from selector.learning.dataset import EvidenceError
 from selector.learning.featuring import features_of
+from selector.learning.testing import columns_of, slots_of
 from selector.learning.training import Learning, learning, trained
 from selector.policy import MISS
-from selector.rebenchmark.champion import Values, columns_of, learnt_from, slots_of
+from selector.rebenchmark.champion import Values, learnt_from
 from selector.rebenchmark.promotion import Decision, decide, put_in_force
 from selector.rebenchmark.report import Judged
 

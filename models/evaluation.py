@@ -139,6 +139,33 @@ def evaluate(
     return tuple(_verdict(examples, index, outcome, miss) for index, outcome in enumerate(outcomes))
 
 
+def evaluate_as_is(
+    model: SelectorModel, examples: Examples, columns: Numbers, miss: float
+) -> tuple[Verdict, ...]:
+    """One verdict for each question on a finished model, and on its own single best choice.
+
+    Args:
+        model: It must not have learnt from the examples.
+        examples: What it is asked about; all its choices are among theirs.
+        columns: (k,) which choice of the examples each choice of the model is.
+        miss: What a miss costs.
+    """
+    offered, names = examples.offered[:, columns], (*METHODS, MODEL)
+    rows = np.arange(len(examples))
+    verdicts = []
+    for index, question in enumerate(examples.questions):
+        single = model.single_for(question)
+        picked = {}
+        for name in names:
+            costs = model.costs(examples.features, question, model.method if name == MODEL else name)
+            picked[name] = columns[chosen(costs, offered, single)]
+        true = np.where(examples.offered, examples.costs[index], miss)
+        costs_of = {name: true[rows, picked[name]] for name in names} | {BEST: true.min(axis=1)}
+        outcome = Outcome(picked, costs_of, np.zeros(len(examples), np.int64))
+        verdicts.append(_verdict(examples, index, outcome, miss))
+    return tuple(verdicts)
+
+
 def _outcomes(examples: Examples, miss: float, count: int, on_fold: OnFold | None) -> list[Outcome]:
     size, asked = len(examples), len(examples.questions)
     names = (*METHODS, MODEL)

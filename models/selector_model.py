@@ -85,8 +85,12 @@ class SelectorModel:
         if by == PERFORMANCE:
             predicted = predicted or self.performance.predict(features, asked.time)
             return expected_costs(predicted, self.missed, self.choices, asked, self.miss)
-        single = int(self.single[self._nearest(asked)])
+        single = self.single_for(asked)
         return _single_costs(len(features), len(self.choices.method), single, self.miss)
+
+    def single_for(self, asked: Question) -> int:
+        """The one choice that was best for all that was learnt from, under the nearest known question."""
+        return int(self.single[self._nearest(asked)])
 
     def _nearest(self, asked: Question) -> int:
         """The question about the same time whose limit is nearest, in ratio."""

@@ -14,10 +14,12 @@ from api.cli.progress import SECONDS_BETWEEN_LINES
 from api.cli.terminal import errors, print_json, printable, results
 from api.learning import (
     evaluation,
+    evaluation_of,
     evaluation_record,
     evidence,
     learning_record,
     learnt,
+    test_data,
     winners,
     winners_record,
     write_model,
@@ -69,7 +71,19 @@ def run_train(output: Path, source: Source, *, quick: bool, as_json: bool) -> No
 
 def run_evaluate(source: Source, *, quick: bool, as_json: bool) -> None:
     """Judges what can be learnt, or only says who wins, and prints it."""
-    found, verdicts = _learnt(source, judge=not quick)
+    _print(*_learnt(source, judge=not quick), as_json=as_json)
+
+
+def run_test(source: Source, model: Path, *, as_json: bool) -> None:
+    """Judges a finished model on test data, and prints it."""
+    console = errors()
+    with evidence(source.store, source.evidence) as store:
+        found = test_data(store, source.device, source.levels, _Steps(console, "Finding features"))
+    _say(console, f"Asking {model} about", found)
+    _print(found, evaluation_of(model, found), as_json=as_json)
+
+
+def _print(found: Learning, verdicts: tuple[Verdict, ...], *, as_json: bool) -> None:
     who = winners(found)
     if as_json:
         gap = evaluation_record(found, verdicts)
@@ -88,12 +102,16 @@ def _learnt(source: Source, *, judge: bool) -> tuple[Learning, tuple[Verdict, ..
     console = errors()
     with evidence(source.store, source.evidence) as store:
         found = learnt(store, source.device, source.levels, _Steps(console, "Finding features"))
+    _say(console, "Learning from", found)
+    return found, evaluation(found, _Steps(console, "Judging, fold")) if judge else ()
+
+
+def _say(console: Console, what: str, found: Learning) -> None:
     data = found.dataset
     families = len(set(data.examples.families.tolist()))
-    words = f"Learning from {counted(len(data.examples), 'instance')} of {families} families, "
+    words = f"{what} {counted(len(data.examples), 'instance')} of {families} families, "
     words += f"{len(data.slots)} candidates, times of {found.device.renderer}"
     console.print(Text(printable(words)), soft_wrap=True)
     for reason, count in [*data.left_out.items(), *found.problems.items()]:
         if count:
             console.print(Text(printable(f"Left out: {count} {reason}")), soft_wrap=True)
-    return found, evaluation(found, _Steps(console, "Judging, fold")) if judge else ()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from features.extraction import extract, extractor_version
+from features.extraction import extract
 from features.level_survey import LevelSurvey
 from features.table import FEATURES, NAMES, Group
 from models.artifact import Artifact, ModelError
@@ -20,6 +20,7 @@ from scenes.scene import Camera, Light, LightKind, Mobility, View
 from selector.candidate import Candidate, candidates
 from selector.learning.dataset import Slot, rounded
 from selector.learning.odds import ahead
+from selector.learning.testing import require_same_features
 
 INTERVAL = 0.8
 """Share of lights of unseen families whose true value lies between the ends that are told."""
@@ -119,12 +120,7 @@ class Advisor:
     """
 
     def __init__(self, artifact: Artifact) -> None:
-        if artifact.features != NAMES or artifact.card.get("extractor") != extractor_version():
-            raise ModelError(
-                "This model was learnt from other features than this version of Gnomon has.",
-                known=f"It was made by {str(artifact.card.get('generator', 'another program'))[:80]}.",
-                remedy="Train it again: `gnomon train`.",
-            )
+        require_same_features(artifact)
         self._model = artifact.model
         self._card = artifact.card
         self._slots = _slots(artifact)

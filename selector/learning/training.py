@@ -48,8 +48,14 @@ class Learning:
     resolutions: tuple[str, ...]
 
 
-def learning(store: Store, device: str | None, levels: Path | None, on_instance: OnInstance) -> Learning:
-    """The training part of a store as arrays, with the times of one device.
+def learning(
+    store: Store,
+    device: str | None,
+    levels: Path | None,
+    on_instance: OnInstance,
+    role: Role = Role.TRAINING,
+) -> Learning:
+    """The training or the test part of a store as arrays, with the times of one device.
 
     Args:
         store: The evidence.
@@ -57,13 +63,14 @@ def learning(store: Store, device: str | None, levels: Path | None, on_instance:
             that has been timed.
         levels: Folder with the level files that instances come from.
         on_instance: Hears of features that are found anew.
+        role: Which part.
 
     Raises:
         EvidenceError: There is no such device, or too little was measured on it.
         StoreError: The store cannot be read.
     """
     row = _device(store, device)
-    table = store.table(_judged_on(store, row), role=Role.TRAINING)
+    table = store.table(_judged_on(store, row), role=role)
     features, problems = features_of(store, table.instances, levels, on_instance)
     counted: dict[str, int] = {}
     for words in problems.values():

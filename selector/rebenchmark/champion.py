@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from models.artifact import Artifact
-from models.contesting import ABSENT
-from models.examples import Numbers
 from scenes.scene import Mobility
 from selector.evidence.rows import DeviceRow, Role
 from selector.evidence.store import Store
-from selector.learning.dataset import Dataset, EvidenceError, Slot, dataset
+from selector.learning.dataset import Dataset, EvidenceError, dataset
 
 MOST_TRIES = 60
 """Each gathers the whole table once, which takes a second for a thousand instances."""
@@ -58,14 +54,3 @@ def learnt_from(
             if found.examples.digest == wanted:
                 return found
     return None
-
-
-def slots_of(artifact: Artifact) -> tuple[Slot, ...]:
-    """What a model chooses from."""
-    return tuple(Slot.of(str(one["technique"]), dict(one["settings"])) for one in artifact.card["choices"])
-
-
-def columns_of(old: Sequence[Slot], new: Sequence[Slot]) -> Numbers:
-    """(k_old,) which of the new slots each old one is, or `ABSENT`."""
-    places = {slot: index for index, slot in enumerate(new)}
-    return np.array([places.get(slot, ABSENT) for slot in old], np.int64)

@@ -11,9 +11,11 @@ import pytest
 from features.table import NAMES
 from models.artifact import load
 from scenes.formats.registry import format_of
+from selector.evidence.rows import Role
 from tests.api.command import answered, gnomon, succeeded
 from tests.selector.learning_evidence import FAMILIES, OF_EACH, filled
 from tests.small_level import small_level
+from tests.tolerances import LEARNT_GAP
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +73,35 @@ def test_who_wins_is_said_without_judging_a_model(store: Path) -> None:
             assert one["single_best"] in found["choices"]
             assert one["single_over_best"] >= 1
     assert "one for all" in succeeded("evaluate", "--store", store, "--quick", width=160).stdout
+
+
+def test_a_finished_model_is_asked_about_test_data(store: Path, model: Path, tmp_path: Path) -> None:
+    apart = filled(tmp_path / "apart.sqlite", Role.TEST, seed=99)
+    found = answered("evaluate", "--store", apart, "--model", model)
+    assert found["instances"] == FAMILIES * OF_EACH
+    for policies in found["closed_gap"].values():
+        for one in policies.values():
+            assert sum(one["wins"].values()) == sum(one["picks"].values()) == FAMILIES * OF_EACH
+            assert set(one["picks"]) <= set(found["choices"])
+    # What the made-up times depend on is what the model was taught.
+    assert found["closed_gap"]["dynamic"]["balanced"]["closed_gap"] > LEARNT_GAP
+    table = succeeded("evaluate", "--store", apart, "--model", model, width=160)
+    assert "closed gap by family" in table.stdout
+    assert "Asking" in table.stderr
+    for arguments, code, words in (
+        (("--store", store, "--model", model), 3, "too little evidence"),
+        (("--store", apart, "--model", model, "--quick"), 2, "--quick judges no model"),
+        (("--store", apart, "--model", apart), 3, "no model"),
+    ):
+        result = gnomon("evaluate", *arguments)
+        assert (result.exit_code, words in result.stderr) == (code, True), result.stderr
+
+
+def test_choices_that_were_not_measured_are_named(model: Path, tmp_path: Path) -> None:
+    apart = filled(tmp_path / "apart.sqlite", Role.TEST, without="chan_hybrid")
+    result = gnomon("evaluate", "--store", apart, "--model", model)
+    assert result.exit_code == 3
+    assert "It lacks Chan" in result.stderr
 
 
 def test_recommend_answers_every_light_and_renders_nothing(level: Path, model: Path) -> None:

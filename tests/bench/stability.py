@@ -3,8 +3,9 @@
     .venv/bin/python tests/bench/stability.py FIRST.sqlite SECOND.sqlite [--json]
 
 Over the instances that both have timed: Kendall's tau between the rankings of an instance's candidates, the
-share of winners that are the same, and how often the second run's median lies in the interval that the first
-one states. Errors and counters of both have to be equal to the last bit.
+share of winners that are the same, what the first run's winners cost by the second's times, and how often the
+second run's median lies in the interval that the first one states. Errors and counters of both have to be
+equal to the last bit.
 """
 
 from __future__ import annotations
@@ -63,6 +64,7 @@ def of_mobility(
         found += 1
     inside = (second >= low) & (second <= high)
     ratios = np.log(second[both] / first[both])
+    winners = {one.name: _winners(tables, cells, (first, second), one) for one in POLICIES}
     return {
         "instances": found,
         "kendall_tau_median": float(np.median(taus)),
@@ -70,24 +72,30 @@ def of_mobility(
         "median_in_stated_interval": float(inside[both].mean()),
         "ratio_median": float(np.exp(np.median(ratios))),
         "ratio_95_percent": np.exp(np.percentile(ratios, [2.5, 97.5])).tolist(),
-        "same_winner": {one.name: _same_winner(tables, cells, (first, second), one) for one in POLICIES},
+        "same_winner": {name: same for name, (same, _) in winners.items()},
+        "cost_of_the_first_ones": {name: cost for name, (_, cost) in winners.items()},
     }
 
 
-def _same_winner(
+def _winners(
     tables: tuple[EvidenceTable, EvidenceTable],
     cells: tuple[Array, Array],
     times: tuple[Array, Array],
     policy: Policy,
-) -> float:
-    """Share of instances whose cheapest candidate within the policy is the same in both runs."""
+) -> tuple[float, float]:
+    """Share of instances with the same winner in both runs, and what the first's costs by the second's times.
+
+    The cost is the mean over instances of its time there over that of the second run's own.
+    """
     both = np.isfinite(times[0]) & np.isfinite(times[1])
-    winners = []
-    for table, at, ms in zip(tables, cells, times, strict=True):
-        costs = policy.costs(ms, table.exceedance_px[at], table.ok[at] & both)
-        winners.append(costs.argmin(axis=1))
-    asked = both.sum(axis=1) >= FEWEST
-    return float((winners[0] == winners[1])[asked].mean())
+    first, second = (
+        policy.costs(ms, table.exceedance_px[at], table.ok[at] & both)
+        for table, at, ms in zip(tables, cells, times, strict=True)
+    )
+    asked = np.flatnonzero(both.sum(axis=1) >= FEWEST)
+    winner = first.argmin(axis=1)
+    same = (winner == second.argmin(axis=1))[asked].mean()
+    return float(same), float(second[asked, winner[asked]].mean())
 
 
 def differing(tables: tuple[EvidenceTable, EvidenceTable], cells: tuple[Array, Array]) -> int:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.evaluation import closed_gap, evaluate
-from models.examples import folds
+from models.evaluation import closed_gap, evaluate, evaluate_as_is
+from models.examples import Choices, folds
 from models.expecting import expected_costs, interval, keeps_limit
 from models.performance import ERROR, PERCENTS, PerformanceModel, Predicted, residuals
 from models.selector_model import FOREST, METHODS, PERFORMANCE, SelectorModel, chosen, single_best
@@ -55,6 +55,34 @@ def test_a_learner_closes_most_of_the_gap_on_unseen_families() -> None:
         assert set(verdict.methods) == {PERFORMANCE, FOREST}
         assert 0 <= verdict.misses <= verdict.worse <= 1
         assert verdict.regret_time >= 0
+
+
+def test_a_finished_model_is_judged_wherever_its_choices_stand() -> None:
+    families = np.unique(EXAMPLES.families)
+    unseen = np.isin(EXAMPLES.families, families[:3])
+    model = SelectorModel.fit(EXAMPLES.only(np.flatnonzero(~unseen)), MISS)
+    held = EXAMPLES.only(np.flatnonzero(unseen))
+    same = np.arange(held.offered.shape[1])
+    verdicts = evaluate_as_is(model, held, same, MISS)
+    for index, verdict in enumerate(verdicts):
+        question = EXAMPLES.questions[index]
+        picked = chosen(model.costs(held.features, question), held.offered, model.single_for(question))
+        assert verdict.picks.tolist() == np.bincount(picked, minlength=len(same)).tolist()
+        assert verdict.gap.model <= verdict.gap.single
+        assert set(verdict.by_family) == set(families[:3].tolist())
+    turned = same[::-1]
+    moved = replace(
+        held,
+        choices=Choices(held.choices.method[turned], held.choices.settings[turned], held.choices.error_trend),
+        offered=held.offered[:, turned],
+        ok=held.ok[:, turned],
+        times={name: values[:, turned] for name, values in held.times.items()},
+        error=held.error[:, turned],
+        costs=held.costs[:, :, turned],
+    )
+    for before, after in zip(verdicts, evaluate_as_is(model, moved, turned, MISS), strict=True):
+        assert after.gap == before.gap
+        assert after.picks[turned].tolist() == before.picks.tolist()
 
 
 def test_features_that_say_nothing_teach_nothing() -> None:

@@ -35,20 +35,20 @@ FAMILIES, OF_EACH = 5, 9
 PIXELS = 640 * 512
 
 
-def fill(store: Store) -> None:
-    """Adds 45 instances of five families, all judged and timed, with features."""
-    random = np.random.default_rng(8)
+def fill(store: Store, role: Role = Role.TRAINING, seed: int = 8, without: str = "") -> None:
+    """Adds 45 instances of five families, all judged and timed but for one technique, with features."""
+    random = np.random.default_rng(seed)
     kinds = list(LightKind)
     store.begin(RUN, DEVICE)
     values = {}
     for index in range(FAMILIES * OF_EACH):
         kind, family = kinds[index % 3], index % FAMILIES
-        instance = _instance(index, f"family {family}", kind)
+        instance = _instance(index, f"family {family}", kind, role)
         features = dict(zip(NAMES, random.uniform(0, 1, len(NAMES)).tolist(), strict=True))
         features |= {f"is_{one}": float(one is kind) for one in kinds}
         features |= {"map_texel": random.uniform(-2, 4), "depth_complexity": random.uniform(0, 4)}
         values[instance.key] = features
-        wanted = candidates(kind, LIMITS)
+        wanted = [one for one in candidates(kind, LIMITS) if one.technique != without]
         rows = [CandidateRow(one.technique, dict(one.settings)) for one in wanted]
         judgements, timings = [], []
         for one, row in zip(wanted, rows, strict=True):
@@ -59,19 +59,17 @@ def fill(store: Store) -> None:
     store.add_features(extractor(), values)
 
 
-def filled(path: Path) -> Path:
+def filled(path: Path, role: Role = Role.TRAINING, seed: int = 8, without: str = "") -> Path:
     """A store with all that, in a file."""
     with Store.open(str(path)) as store:
-        fill(store)
+        fill(store, role, seed, without)
     return path
 
 
-def _instance(index: int, family: str, kind: LightKind) -> InstanceRow:
+def _instance(index: int, family: str, kind: LightKind, role: Role) -> InstanceRow:
     light = {"name": "Lamp", "kind": str(kind), "index": 0, "position": [float(index), 0.0, 0.0]}
     origin = f"level {index}.glb"
-    return InstanceRow(
-        f"{index:064x}", origin, family, origin, Role.TRAINING, light, {"name": "Eye"}, 640, 512
-    )
+    return InstanceRow(f"{index:064x}", origin, family, origin, role, light, {"name": "Eye"}, 640, 512)
 
 
 def _side(one: Candidate) -> float:
