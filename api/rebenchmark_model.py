@@ -77,7 +77,8 @@ def judged_model(fitting: Fitting, on_words: Callable[[str], None], on_step: OnS
     try:
         source, features = _learning(fitting, on_step)
     except EvidenceError as error:
-        return Judged(Decision(promoted=False, why=str(error))), champion, None
+        decision = Decision(promoted=False, why=str(error))
+        return Judged(decision, champion=champion is not None), champion, None
     digest = source.dataset.examples.digest
     if champion and champion.card.get("training", {}).get("digest") == digest:
         return None, champion, None
@@ -98,7 +99,7 @@ def judged_model(fitting: Fitting, on_words: Callable[[str], None], on_step: OnS
         decision = Decision(promoted=True, why=decision.why, kept=kept)
     method = challenger.model.method
     size = len(source.dataset.examples)
-    return Judged(decision, found, as_is, method, digest, size), champion, challenger
+    return Judged(decision, found, as_is, method, digest, size, champion is not None), champion, challenger
 
 
 def previous_digest(report: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -11,7 +12,7 @@ from pathlib import PurePath
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from api.cli.terminal import printable
 from api.wording import counted
@@ -27,6 +28,7 @@ LEAST_REACH = log(1.3)
 MOST_REACH = log(4.0)
 _TICKS = (0.25, 0.33, 0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0, 4.0)
 _LEAST_GAP = 44
+_CODE = re.compile(r"`([^`]+)`")
 REASONS = {
     "fresh": "fresh",
     "code": "code or shader changed",
@@ -132,6 +134,11 @@ def _index(name: str) -> int:
     return [one.name for one in TECHNIQUES].index(technique(name).name)
 
 
+def _worded(text: str) -> Markup:
+    """A sentence, with what stands between backticks as code."""
+    return Markup(_CODE.sub(r"<code>\1</code>", str(escape(printable(text)))))  # noqa: S704  escaped before
+
+
 @cache
 def _template() -> Template:
     loader = PackageLoader("api", "templates")
@@ -141,6 +148,7 @@ def _template() -> Template:
     environment.filters |= {
         "printable": printable,
         "counted": counted,
+        "worded": _worded,
         "filename": lambda text: PurePath(text).name,
     }
     # The style is ours, and nothing in it comes from a level.

@@ -30,15 +30,20 @@ class Wish(Protocol):
 
 
 def watched_levels(places: Sequence[Path]) -> tuple[list[WatchedLevel], Problems]:
-    """The levels among some files and folders, and those that cannot be read, with the reason."""
-    levels: list[WatchedLevel] = []
+    """The levels among some files and folders, and those that cannot be read, with the reason.
+
+    Of files with the same scene, such as a level and its annotated copy, the first stands for all.
+    """
+    levels: dict[str, WatchedLevel] = {}
     problems: Problems = []
     for path in level_paths(places):
         try:
-            levels.append(WatchedLevel(path))
+            level = WatchedLevel(path)
         except GnomonError as error:
             problems.append((str(path), error.what))
-    return levels, problems
+        else:
+            levels.setdefault(level.digest, level)
+    return list(levels.values()), problems
 
 
 def watched(
@@ -74,4 +79,6 @@ def watched(
                 before = None
             moves += level.moves(before, level.answers(new, wish.policy, wish.size), shifts)
     lights = sum(len(level.lights) for level in levels)
-    return Watched(len(levels), lights, wish.policy.name, tuple(moves), in_force, tuple(found))
+    return Watched(
+        len(levels), lights, wish.policy.name, tuple(moves), in_force, tuple(found), old is not None
+    )

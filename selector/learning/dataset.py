@@ -180,7 +180,8 @@ def _require(families: np.ndarray, left_out: Mapping[str, int]) -> None:
     why = ", ".join(f"{count} {reason}" for reason, count in left_out.items() if count)
     left = f" Left out: {why}." if why else ""
     raise EvidenceError(
-        f"There is too little evidence: {len(families)} instances of {len(names)} families.",
+        f"There is too little evidence: {len(families)} instances of {len(names)} "
+        f"famil{'y' if len(names) == 1 else 'ies'}.",
         known=f"At least {FEWEST_INSTANCES} of {FEWEST_FAMILIES} families are needed.{left}",
         remedy="Benchmark more: `gnomon benchmark`.",
     )

@@ -101,7 +101,9 @@ def camera_of(record: Mapping[str, Any]) -> Camera:
     """The camera that a row tells of."""
     position, forward, up = (_vector(record[name]) for name in ("position", "forward", "up"))
     fov, near = float(record["yfov_rad"]), float(record["near_m"])
-    return Camera(str(record.get("name", "")), position, forward, up, fov, near)
+    node = record.get("node")
+    name = str(record.get("name", ""))
+    return Camera(name, position, forward, up, fov, near, None if node is None else int(node))
 
 
 def _vector(values: Sequence[float]) -> tuple[float, float, float]:

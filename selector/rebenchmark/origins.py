@@ -10,7 +10,7 @@ from scenes.corpus.spec import Spec
 from scenes.errors import GnomonError
 from scenes.formats.registry import level_formats, read_level
 from scenes.scene import Scene
-from selector.benchmark.questions import LevelQuestion, Question, SpecQuestion
+from selector.benchmark.questions import LevelQuestion, Question, SpecQuestion, level_row
 from selector.evidence.rows import InstanceRow
 from selector.learning.featuring import camera_of
 
@@ -35,10 +35,12 @@ def asking(rows: Iterable[InstanceRow], places: Sequence[Path]) -> Asking:
         rows: The instances.
         places: Files and folders in which the levels are that some come from.
     """
-    scenes: dict[str, Scene | str] = {}
+    scenes: dict[Path, Scene | str] = {}
     questions: dict[str, Question] = {}
     problems: dict[str, int] = {}
-    files = {path.name: path for path in level_paths(places)}
+    files: dict[str, list[Path]] = {}
+    for path in level_paths(places):
+        files.setdefault(path.name, []).append(path)
     for row in rows:
         try:
             asked = _question(row, files, scenes)
@@ -64,23 +66,36 @@ def level_paths(places: Iterable[Path]) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
-def _question(row: InstanceRow, files: Mapping[str, Path], scenes: dict[str, Scene | str]) -> Question | str:
+def _question(
+    row: InstanceRow, files: Mapping[str, Sequence[Path]], scenes: dict[Path, Scene | str]
+) -> Question | str:
+    """What the row asked; or why that cannot be asked again."""
     if row.origin.startswith("{"):
         return SpecQuestion(Spec.from_text(row.origin), row.role)
-    path = files.get(row.origin)
-    if path is None:
-        return f"The level {row.origin} is not among those that --levels names."
-    if row.origin not in scenes:
-        scenes[row.origin] = _scene(path)
-    scene = scenes[row.origin]
-    if isinstance(scene, str):
-        return scene
-    if scene.digest != row.scene_digest:
-        return f"The level {row.origin} has changed since it was measured."
+    found: str = f"The level {row.origin} is not among those that --levels names."
+    # Folders may hold levels of the same name.
+    for path in files.get(row.origin, ()):
+        if path not in scenes:
+            scenes[path] = _scene(path)
+        scene = scenes[path]
+        if isinstance(scene, str):
+            found = scene
+        elif scene.digest != row.scene_digest:
+            found = f"The level {row.origin} has changed since it was measured."
+        else:
+            return _level_question(row, path, scene)
+    return found
+
+
+def _level_question(row: InstanceRow, path: Path, scene: Scene) -> LevelQuestion:
     index = int(row.light["index"])
-    camera = camera_of(row.camera)
-    light = scene.lights[index]
-    return LevelQuestion(path, scene.digest, scene.name, scene.triangle_count, light, index, camera, row.role)
+    camera, light = camera_of(row.camera), scene.lights[index]
+    asked = LevelQuestion(
+        path, scene.digest, scene.name, scene.triangle_count, light, index, camera, row.role
+    )
+    # Under another key, what is measured would be compared with nothing.
+    assert level_row(asked, row.width, row.height).key == row.key, f"{row.origin} is asked otherwise"
+    return asked
 
 
 def _scene(path: Path) -> Scene | str:

@@ -62,6 +62,7 @@ class Judged:
         chooses_by: How the new model chooses; empty where none was learnt.
         digest: Of what the new model was learnt from; empty likewise.
         instances: How many that were.
+        champion: Whether there was an old model.
     """
 
     decision: Decision
@@ -70,6 +71,7 @@ class Judged:
     chooses_by: str = ""
     digest: str = ""
     instances: int = 0
+    champion: bool = True
 
 
 @dataclass(frozen=True)
@@ -78,11 +80,12 @@ class Watched:
 
     Attributes:
         levels: How many were read.
-        lights: How many of their lights were asked about.
+        lights: How many lights they have that strike anything.
         policy: Under which.
         moves: Lights whose answer has moved, or would if the new model were promoted.
         in_force: Whether the moves are: the new model was promoted.
         problems: Levels that could not be asked about, with the reason.
+        asked: Whether there was a model before, whose answers could have moved.
     """
 
     levels: int
@@ -91,6 +94,7 @@ class Watched:
     moves: tuple[Move, ...]
     in_force: bool
     problems: tuple[tuple[str, str], ...]
+    asked: bool = True
 
 
 @dataclass(frozen=True)
@@ -152,9 +156,15 @@ class Report:
         return self.watched.moves if self.watched and self.watched.in_force else ()
 
     @property
+    def blind(self) -> bool:
+        """Whether the sample could be held against nothing."""
+        return self.sampled is not None and not self.sampled.measured and not self.sampled.compared
+
+    @property
     def calls(self) -> bool:
-        """Whether somebody should look."""
-        return bool(self.drifted or self.differs or self.moved)
+        """Whether somebody should look; a busy machine is no reason."""
+        disturbed = self.sampled is not None and self.sampled.disturbed > 0
+        return bool(self.drifted or self.differs or self.moved or (self.blind and not disturbed))
 
 
 def record(report: Report, instances: Mapping[str, InstanceRow], known: Mapping[str, CandidateRow]) -> Json:
@@ -203,6 +213,8 @@ def verdict(report: Report) -> str:
     if report.moved:
         count = len(report.moved)
         words.append(f"The answer has moved for {count} watched {'light' if count == 1 else 'lights'}.")
+    if report.blind:
+        words.append("Nothing could be compared with before.")
     return " ".join(words) if words else "Nothing has moved."
 
 
@@ -263,6 +275,7 @@ def _model_record(found: Judged) -> Json:
     decision = found.decision
     return {
         "promoted": decision.promoted,
+        "champion": found.champion,
         "why": decision.why,
         "rule": RULE,
         "kept": str(decision.kept) if decision.kept else None,
@@ -310,6 +323,7 @@ def _watched_record(found: Watched) -> Json:
         "lights": found.lights,
         "policy": found.policy,
         "in_force": found.in_force,
+        "asked": found.asked,
         "moves": [_move_record(one) for one in found.moves],
         "problems": [{"level": level, "reason": reason} for level, reason in found.problems],
     }

@@ -83,6 +83,7 @@ class WatchedLevel:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._scene = read_level(path).scene
+        self.digest = self._scene.digest
         self._survey: LevelSurvey | None = None
         lights = self._scene.lights if self._scene.triangle_count else ()
         seen = seen_lights(self._scene, lights) if lights else []

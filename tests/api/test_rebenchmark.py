@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from api.rebenchmark_page import PAGE_BEGINNING, page_bytes
+from api.rebenchmark_watch import watched_levels
 from api.rebenchmarking import (
     JSON_BEGINNING,
     LOCK,
@@ -33,7 +34,7 @@ from selector.evidence.store import Store
 from selector.policy import policy
 from selector.rebenchmark.locking import BusyError, beside, locked
 from selector.rebenchmark.remeasuring import Bench
-from selector.rebenchmark.report import Report
+from selector.rebenchmark.report import Report, verdict
 from tests.api.command import environment, gnomon, program, succeeded
 from tests.selector.repeated_runs import codes, fill, repeats
 from tests.selector.replaying import NOW, Replay
@@ -202,6 +203,43 @@ def test_names_from_levels_stay_text(folder: Path) -> None:
     assert page.encode().startswith(PAGE_BEGINNING)
     assert "<script" not in page
     assert re.search(r'(src|href)="?http', page) is None
+
+
+def test_a_sample_that_is_held_against_nothing_is_no_calm_night(folder: Path) -> None:
+    class Elsewhere(Replay):
+        """What is measured is of other instances, so nothing can be compared."""
+
+        def runs(self, benchmark: Benchmark, words: str) -> None:
+            pass
+
+    wanted = request(folder, learn=False)
+    report = rebenchmark(wanted, Elsewhere(CALM + 1), machine(), NOW)
+    assert report.blind
+    assert report.calls
+    assert verdict(report) == "Nothing could be compared with before."
+    page = wanted.report.read_text()
+    assert "could be held against evidence of before" in page
+    assert "there was no model before" in page
+    assert "no answer has moved" not in page
+
+
+def test_copies_of_a_level_are_watched_once(folder: Path) -> None:
+    (folder / "copies").mkdir()
+    for name in ("yard.glb", "yard.annotated.glb"):
+        (folder / "copies" / name).write_bytes((folder / "yard.glb").read_bytes())
+    levels, problems = watched_levels([folder / "yard.glb", folder / "copies"])
+    assert [one.path for one in levels] == [folder / "yard.glb"]
+    assert problems == []
+
+
+def test_without_a_model_none_is_said_to_stay(folder: Path) -> None:
+    wanted = request(folder)
+    record = json.loads(json_path(wanted.report).read_text())
+    record["model"] = {**record["model"], "promoted": False, "champion": False, "why": "Run `gnomon <b>`."}
+    page = page_bytes(record).decode()
+    assert "There is no model yet" in page
+    assert "The old model stays" not in page
+    assert "<code>gnomon &lt;b&gt;</code>" in page
 
 
 def test_errors_that_differ_though_the_code_is_the_same_are_an_alarm(folder: Path) -> None:
