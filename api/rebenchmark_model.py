@@ -77,7 +77,7 @@ def judged_model(fitting: Fitting, on_words: Callable[[str], None], on_step: OnS
     try:
         source, features = _learning(fitting, on_step)
     except EvidenceError as error:
-        decision = Decision(promoted=False, why=str(error))
+        decision = Decision(promoted=False, why=" ".join(filter(None, [problem, str(error)])))
         return Judged(decision, champion=champion is not None), champion, None
     digest = source.dataset.examples.digest
     if champion and champion.card.get("training", {}).get("digest") == digest:

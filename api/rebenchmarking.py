@@ -159,7 +159,8 @@ def rebenchmark(
         BusyError: Another job is at work on the store.
         GnomonError: The store, the device or an output cannot be used. What was there before is whole.
     """
-    with locked(beside(request.store, LOCK)), Store.open(request.store) as store:
+    # A store that cannot be opened leaves no lock behind.
+    with Store.open(request.store) as store, locked(beside(request.store, LOCK)):
         return _Job(request, listener, store, on or machine(request), now or datetime.now(UTC)).run()
 
 

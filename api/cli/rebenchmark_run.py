@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import time
 from collections.abc import Iterator
@@ -22,13 +23,24 @@ from api.cli.rebenchmark_tables import print_report
 from api.cli.terminal import errors, flush_results, print_json, printable, results
 from api.destinations import check_page, check_writable
 from api.rebenchmark_page import PAGE_BEGINNING
-from api.rebenchmarking import JSON_BEGINNING, Request, json_path, rebenchmark, report_record
-from scenes.errors import GnomonError, OutputError
+from api.rebenchmarking import (
+    JSON_BEGINNING,
+    LOCK,
+    SAMPLE,
+    Request,
+    json_path,
+    rebenchmark,
+    report_record,
+)
+from scenes.errors import GnomonError, LevelError, OutputError
 from selector.benchmark.running import Benchmark
 from selector.evidence.store import Store
+from selector.rebenchmark.locking import beside
 from selector.rebenchmark.report import Report
 
 TICK_S = 0.5
+MODEL_BEGINNING = b"PK"
+"""Models are ZIP archives."""
 
 
 def run_rebenchmark(request: Request, every_s: float | None, *, as_json: bool) -> None:
@@ -50,25 +62,49 @@ def run_rebenchmark(request: Request, every_s: float | None, *, as_json: bool) -
 
 
 def _check_outputs(request: Request) -> None:
-    """Refuse outputs that would destroy something, before hours are spent on them.
+    """Refuse outputs that would destroy something, and levels that are not there, before hours are spent.
 
     Raises:
-        OutputError: One would.
+        OutputError: An output would.
+        LevelError: There is no such level or folder.
     """
+    _check_apart(request)
     check_page(request.report, PAGE_BEGINNING)
-    _check_json(json_path(request.report))
+    _check_ours(json_path(request.report), JSON_BEGINNING, "no report of a re-benchmark", "-o")
     if request.learn:
-        check_writable(request.model)
+        _check_ours(request.model, MODEL_BEGINNING, "no model", "--model")
+    for place in request.levels:
+        if not place.exists():
+            raise LevelError(
+                "There is no such file or folder.",
+                where=str(place),
+                remedy="Name levels, or folders that hold them, with --levels.",
+            )
 
 
-def _check_json(path: Path) -> None:
+def _check_ours(path: Path, beginning: bytes, what: str, option: str) -> None:
     check_writable(path)
     with suppress(FileNotFoundError), path.open("rb") as file:
-        if file.read(len(JSON_BEGINNING)) not in (b"", JSON_BEGINNING):
+        if file.read(len(beginning)) not in (b"", beginning):
             raise OutputError(
-                "Another file is there, which is no report of a re-benchmark: it is not overwritten.",
+                f"Another file is there, which is {what}: it is not overwritten.",
                 where=str(path),
-                remedy="Choose another name with -o, or move that file away.",
+                remedy=f"Choose another name with {option}, or move that file away.",
+            )
+
+
+def _check_apart(request: Request) -> None:
+    """The store, its companions, the model and the report are files of their own."""
+    store = [Path(request.store)] if "://" not in request.store else []
+    names = [*store, *(beside(request.store, suffix) for suffix in (LOCK, SAMPLE))]
+    names += [request.model, request.report, json_path(request.report)]
+    places = [os.path.realpath(name) for name in names]
+    for name, place in zip(names, places, strict=True):
+        if places.count(place) > 1:
+            raise OutputError(
+                "Two of the store, the model, the report and its JSON would be the same file.",
+                where=str(name),
+                remedy="Choose other names with --store, --model and -o.",
             )
 
 

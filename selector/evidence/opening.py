@@ -34,7 +34,7 @@ def opened(address: URL, *, write: bool, wait_s: float) -> Engine:
     Raises:
         StoreError: There is none, it is something else or newer than this program, or it cannot be opened.
     """
-    if address.get_backend_name() == "sqlite" and not _in_memory(address):
+    if address.get_backend_name() == "sqlite":
         _require_file(Path(address.database or ""), write=write)
     engine = _engine(address, write=write, wait_s=wait_s)
     try:
@@ -63,7 +63,7 @@ def address_of(url: str) -> URL:
         StoreError: It is none, or of a kind of database in which evidence cannot be kept.
     """
     if "://" not in url:
-        return URL.create("sqlite", database=url)
+        return _kept(URL.create("sqlite", database=url))
     try:
         address = make_url(url)
     except ArgumentError as error:
@@ -72,6 +72,21 @@ def address_of(url: str) -> URL:
     if address.get_backend_name() not in DATABASES:
         known = f"Stores are databases of the kinds {' and '.join(DATABASES)}."
         raise StoreError("Evidence cannot be kept in such a database.", where=shown(address), known=known)
+    return _kept(address)
+
+
+def _kept(address: URL) -> URL:
+    """An address where something stays after the program has ended.
+
+    Raises:
+        StoreError: It is empty, or means the computer's memory.
+    """
+    if address.get_backend_name() == "sqlite" and (address.database or "").strip() in ("", ":memory:"):
+        raise StoreError(
+            "This address names no file: evidence would be lost with the end of the program.",
+            where=f"--store {address.database!r}" if address.database is not None else shown(address),
+            remedy="Name a file, or a URL such as postgresql+psycopg://host/database.",
+        )
     return address
 
 
@@ -80,10 +95,6 @@ def shown(address: URL) -> str:
     if address.get_backend_name() == "sqlite" and address.database:
         return address.database
     return address.render_as_string(hide_password=True)
-
-
-def _in_memory(address: URL) -> bool:
-    return address.database in (None, "", ":memory:")
 
 
 def _require_file(path: Path, *, write: bool) -> None:
@@ -105,7 +116,7 @@ def _engine(address: URL, *, write: bool, wait_s: float) -> Engine:
     arguments: dict[str, Any] = {}
     if address.get_backend_name() == "sqlite":
         arguments = {"connect_args": {"timeout": wait_s, "check_same_thread": False}}
-        if not write and not _in_memory(address):
+        if not write:
             file = _read_only(Path(address.database or ""))
             address = URL.create(
                 "sqlite", database=f"file:{file.removeprefix('file://')}", query={"uri": "true"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,11 +59,12 @@ def level_paths(places: Iterable[Path]) -> list[Path]:
     suffixes = set(level_formats())
     found: list[Path] = []
     for place in places:
-        if place.is_dir():
-            inside = (path for path in sorted(place.rglob("*")) if path.is_file())
-            found += [path for path in inside if path.suffix.lower() in suffixes]
-        else:
+        if not place.is_dir():
             found.append(place)
+            continue
+        # What goes away meanwhile is no level, nor is what is no file.
+        inside = (Path(folder, name) for folder, _, names in os.walk(place) for name in names)
+        found += sorted(path for path in inside if path.suffix.lower() in suffixes and path.is_file())
     return list(dict.fromkeys(found))
 
 

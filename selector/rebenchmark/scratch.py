@@ -7,20 +7,28 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from scenes.atomic_file import output_error
+from scenes.errors import OutputError
 from selector.evidence.merging import merge
 from selector.evidence.rows import Purpose, RunRow
 from selector.evidence.store import Store
 from selector.evidence.store_error import StoreError
 from selector.evidence.writing import Batch
 
+_BEGINNING = b"SQLite format 3\0"
 KEEPS = timedelta(hours=20)
 """A sample that a killed job has left is gone on with for so long; a night later the machine is another."""
 
 
 def begun_sample(path: Path, now: datetime) -> int | None:
-    """The seed of the sample that a killed job has left; one that is too old is taken away."""
+    """The seed of the sample that a killed job has left; one that is too old is taken away.
+
+    Raises:
+        OutputError: Something else stands there.
+    """
     if not path.exists():
         return None
+    _require_ours(path)
     try:
         with Store.open(str(path)) as store:
             runs = list(store.runs())
@@ -31,6 +39,20 @@ def begun_sample(path: Path, now: datetime) -> int | None:
         return runs[0].seed
     discard(path)
     return None
+
+
+def _require_ours(path: Path) -> None:
+    try:
+        with path.open("rb") as file:
+            ours = file.read(len(_BEGINNING)) in (b"", _BEGINNING)
+    except OSError as error:
+        raise output_error(path, error) from error
+    if not ours:
+        raise OutputError(
+            "A job keeps its sample under this name, and another file is there.",
+            where=str(path),
+            remedy="Move it away.",
+        )
 
 
 def discard(path: Path) -> None:

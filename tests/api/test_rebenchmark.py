@@ -27,12 +27,14 @@ from api.rebenchmarking import (
 )
 from models import fitting
 from models.artifact import load
+from scenes.errors import OutputError
 from scenes.scene import Light, LightKind, Mobility
 from selector.benchmark.running import Benchmark
 from selector.evidence.rows import Purpose
 from selector.evidence.store import Store
 from selector.policy import policy
 from selector.rebenchmark.locking import BusyError, beside, locked
+from selector.rebenchmark.origins import level_paths
 from selector.rebenchmark.remeasuring import Bench
 from selector.rebenchmark.report import Report, verdict
 from tests.api.command import environment, gnomon, program, succeeded
@@ -391,6 +393,55 @@ def test_files_of_others_are_not_overwritten(folder: Path) -> None:
     assert result.exit_code == 5
     assert "page.json" in result.stderr
     assert json_path(request(folder).report).read_bytes().startswith(JSON_BEGINNING)
+    model = folder / "notes.txt"
+    model.write_text("hi")
+    result = gnomon("rebenchmark", "--store", folder / "e.sqlite", "--model", model)
+    assert (result.exit_code, model.read_text()) == (5, "hi")
+    assert "which is no model" in result.stderr
+    sample = beside(str(folder / "e.sqlite"), SAMPLE)
+    for make in (sample.mkdir, lambda: sample.write_text("mine")):
+        make()
+        with pytest.raises(OutputError, match=r"keeps its sample|folder"):
+            rebenchmark(request(folder), Replay(CALM), machine(), NOW)
+        assert sample.exists()
+        sample.rmdir() if sample.is_dir() else sample.unlink()
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (("--model", "night.html", "-o", "night.html"), 5, "would be the same file"),
+        (("--model", "night.json", "-o", "night.html"), 5, "would be the same file"),
+        (("--store", "night.html", "-o", "night.html"), 5, "would be the same file"),
+        (("--levels", "nowhere"), 3, "There is no such file or folder"),
+        (("--store", ""), 7, "names no file"),
+        (("--store", ":memory:"), 7, "names no file"),
+        (("--store", "sqlite://"), 7, "names no file"),
+    ],
+)
+def test_what_would_waste_a_night_is_refused_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], code: int, words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = gnomon("rebenchmark", *options)
+    assert result.exit_code == code, result.stderr
+    assert words in " ".join(result.stderr.split())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_refused_store_leaves_no_lock(tmp_path: Path) -> None:
+    store = tmp_path / "e.sqlite"
+    store.write_text("not a database, though long enough to be asked whether it is one" * 20)
+    result = gnomon("rebenchmark", "--store", store, "-o", tmp_path / "night.html")
+    assert result.exit_code == 7
+    assert list(tmp_path.iterdir()) == [store]
+
+
+def test_levels_that_go_away_are_left_out(tmp_path: Path) -> None:
+    small_level(tmp_path, "yard.glb")
+    (tmp_path / "gone.glb").symlink_to(tmp_path / "nothing.glb")
+    (tmp_path / "folder.glb").mkdir()
+    assert level_paths([tmp_path]) == [tmp_path / "yard.glb"]
 
 
 @pytest.mark.parametrize("text", ["1", "0h", "soon", "-3h", "3 weeks"])
