@@ -32,6 +32,10 @@ MOST_DECIDING = 3
 LEAST_INFLUENCE = 0.02
 """Of the cost: a feature that matters less has not decided."""
 
+CONE = "cone_half_angle"
+WITHOUT_CONE = {180.0: "it shines all around", 0.0: "its light is parallel"}
+"""Degrees of lights that have no cone."""
+
 
 @dataclass(frozen=True)
 class Expected:
@@ -261,10 +265,10 @@ class Advisor:
             if influence[index] < LEAST_INFLUENCE:
                 break
             feature = FEATURES[index]
-            words = feature.high if mean[index] > usual[index] else feature.low
-            found.append(
-                Deciding(feature.name, float(mean[index]), feature.group, words, float(influence[index]))
-            )
+            value = float(mean[index])
+            words = WITHOUT_CONE.get(value) if feature.name == CONE else None
+            words = words or (feature.high if value > usual[index] else feature.low)
+            found.append(Deciding(feature.name, value, feature.group, words, float(influence[index])))
         return tuple(found)
 
     def _outside(self, rows: Floats) -> tuple[str, ...]:

@@ -11,14 +11,15 @@ from features.extraction import extract
 from features.level_survey import LevelSurvey
 from features.table import NAMES
 from models.artifact import Artifact, ModelError, packed, unpacked
-from models.examples import Question
+from models.examples import Floats, Question
+from models.selector_model import PERFORMANCE, SelectorModel
 from scenes.scene import Light, LightKind, Mobility, Scene, View
 from selector.evidence.rows import Role
 from selector.evidence.store import Store
-from selector.learning.dataset import EvidenceError, Slot, choices_of, dataset
+from selector.learning.dataset import EvidenceError, Slot, choices_of, dataset, questions
 from selector.learning.featuring import extractor, features_of
 from selector.learning.odds import ahead
-from selector.learning.predicting import Predictor, reason, views_of
+from selector.learning.predicting import Advisor, Predictor, reason, views_of
 from selector.learning.training import Learning, judged, learning, trained
 from selector.policy import MISS, POLICIES
 from tests.random_scenes import look_at
@@ -253,3 +254,34 @@ def test_features_do_not_depend_on_the_order_in_which_lights_are_asked_about(sur
     first = extract(survey, LAMP, view).values
     extract(survey, replace(LAMP, range_m=2.0), view)
     assert extract(survey, LAMP, view).values == first
+
+
+@pytest.mark.parametrize(
+    ("kind", "degrees", "words"),
+    [
+        (LightKind.SPOT, 170.0, "a wide cone"),
+        (LightKind.SPOT, 0.1, "a narrow cone"),
+        (LightKind.POINT, 180.0, "it shines all around"),
+        (LightKind.DIRECTIONAL, 0.0, "its light is parallel"),
+    ],
+)
+def test_a_light_without_a_cone_is_not_said_to_have_one(
+    artifact: Artifact, monkeypatch: pytest.MonkeyPatch, kind: LightKind, degrees: float, words: str
+) -> None:
+    advisor = Advisor(replace(artifact, model=replace(artifact.model, method=PERFORMANCE)))
+    cone = NAMES.index("cone_half_angle")
+    usual = np.array([artifact.card["ranges"][name][1] for name in NAMES])
+    rows = usual[None].copy()
+    rows[0, cone] = degrees
+
+    def costs(_model: SelectorModel, features: Floats, _asked: Question, **_: object) -> Floats:
+        """The first technique is ahead, the more the farther the cone is from its usual angle."""
+        found = np.full((len(features), len(artifact.model.choices.method)), 9.0)
+        first = artifact.model.choices.method == artifact.model.choices.method[0]
+        found[:, first] = 8.0 - (features[:, cone, None] != usual[cone])
+        return found
+
+    monkeypatch.setattr(SelectorModel, "costs", costs)
+    found = advisor.advise(kind, rows, questions()[0])
+    assert found is not None
+    assert [one.words for one in found.deciding] == [words]
