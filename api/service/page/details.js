@@ -1,8 +1,9 @@
 // What is behind a light's answer: reason, rivals, plot, what decided, what was refused.
 
+import { closeCall, isCloseCall } from "./answers.js";
 import { html, mark, techniqueSummary, techniqueTitle } from "./elements.js";
 import { plot } from "./plot.js";
-import { counted, listed, ms, percent, px, range } from "./words.js";
+import { counted, listed, ms, percent, plainly, px, range } from "./words.js";
 
 let meanings = new Map();
 
@@ -51,21 +52,27 @@ function warning({ outside }) {
 function rivals(light, answer) {
   const found = [];
   const add = (term, one) => {
-    if (one) found.push(html("div", {}, html("dt", {}, term), html("dd", {}, html("span", { class: "name" }, mark(one.technique), one.name), ` ${ms(one.ms)}, ${px(one.px)}`)));
+    if (one) found.push(html("div", {}, html("dt", {}, term), html("dd", {}, html("span", { class: "name", title: one.meaning || null }, mark(one.technique), one.name), ` ${ms(one.ms)}, ${px(one.px)}`)));
   };
   add("Choice", answer.chosen);
-  found[0].append(html("dd", { class: "under" }, `${techniqueTitle(answer.chosen.technique)}. ${techniqueSummary(answer.chosen.technique)}`));
+  found[0].append(html("dd", { class: "under" }, about(answer.chosen)));
   add("Runner-up", answer.runnerUp);
+  if (answer.runnerUp && isCloseCall(answer)) found[1].append(html("dd", { class: "under" }, closeCall(answer)));
   if (answer.source === "measured" && light.predicted?.chosen && light.predicted.chosen.name !== answer.chosen.name) {
     add("Predicted one, measured", answer.candidates.find((one) => one.name === light.predicted.chosen.name));
   }
   return found;
 }
 
+function about({ technique, meaning }) {
+  const settings = meaning ? ` Here: ${meaning}.` : "";
+  return `${techniqueTitle(technique)}. ${techniqueSummary(technique)}${settings}`;
+}
+
 function decided({ decidedBy }) {
   const items = decidedBy.map((one) => {
     const known = meanings.get(one.feature);
-    const value = `${one.feature.replaceAll("_", " ")} ${Number(one.value.toPrecision(3))}${known && known.unit !== "none" ? ` ${known.unit}` : ""}`;
+    const value = `${one.feature.replaceAll("_", " ")} ${plainly(one.value, known?.unit ?? "none")}`;
     return html("li", {}, html("strong", {}, one.words), html("span", { class: "under" }, `${one.group}: ${value}`), known ? html("span", { class: "under" }, known.meaning) : null);
   });
   return html("div", {}, html("h4", {}, "What decided"), html("ul", { class: "decided" }, ...items));
@@ -81,7 +88,7 @@ function everyCandidate(answer) {
   const sorted = [...answer.candidates].sort((one, other) => one.ms - other.ms);
   const over = (one) => one.px !== null && one.px > answer.limit;
   const rows = sorted.map((one) => html("tr", { "data-key": one.name, class: one.chosen ? "chosen" : "" },
-    html("th", { scope: "row" }, mark(one.technique), one.name),
+    html("th", { scope: "row", title: one.meaning || null }, mark(one.technique), one.name),
     html("td", { class: "number" }, ms(one.ms)),
     predicted ? html("td", { class: "number soft" }, range(one.msRange, "ms")) : null,
     html("td", { class: over(one) ? "number over" : "number" }, px(one.px)),

@@ -7,6 +7,7 @@ const GLB = "model/gltf-binary";
 const GLTF = "model/gltf+json";
 const MOST_FILES = 2000;
 const MOST_NAMED = 3;
+const OTHER_LEVELS = /\.(map|usd[acz]?|obj|ply|stl)$/i;
 
 const isLevel = (path) => /\.(glb|gltf)$/i.test(path);
 const lastOf = (path) => path.split(/[\\/]/).at(-1);
@@ -43,7 +44,7 @@ async function walk(entry, found) {
 // Gives {name, type, file, beside: [{place, file}]}; throws a Problem in words.
 export async function levelOf(files) {
   const levels = files.filter((one) => isLevel(one.path));
-  if (levels.length === 0) throw refusal("There is no .glb or .gltf among these files.", "Choose a glTF level, and with a .gltf the files that it names.");
+  if (levels.length === 0) throw noLevel(files);
   if (levels.length > 1) {
     const names = levels.slice(0, MOST_NAMED).map((one) => lastOf(one.path));
     throw refusal(`These are ${counted(levels.length, "level")}: ${names.join(", ")}${levels.length > MOST_NAMED ? " and more" : ""}.`, "Choose one at a time.");
@@ -53,6 +54,14 @@ export async function levelOf(files) {
   if (/\.glb$/i.test(name)) return { name, type: GLB, file: level.file, beside: [] };
   const beside = companions(await uris(level.file), level, files);
   return { name, type: GLTF, file: level.file, beside };
+}
+
+// The command line reads more formats than this page.
+function noLevel(files) {
+  const other = files.map((one) => lastOf(one.path)).find((name) => OTHER_LEVELS.test(name));
+  if (!other) return refusal("There is no .glb or .gltf among these files.", "Choose a glTF level, and with a .gltf the files that it names.");
+  const named = /^[\w.-]+$/.test(other) ? other : `"${other}"`;
+  return refusal(`This page reads glTF; for ${other} run: gnomon recommend ${named}`, "Or export the level as .glb, and drop that.");
 }
 
 // Buffers only: pictures cast no shadow. What is no glTF has none, and the service says what is wrong with it.
@@ -88,8 +97,9 @@ function fileOf(place, folder, files) {
   return exact?.file ?? (alike.length === 1 ? alike[0].file : undefined);
 }
 
+// Trying again with the same files does not help, so this is no problem of the network.
 function refusal(detail, remedy) {
-  return new Problem({ status: 0, detail, remedy });
+  return new Problem({ status: 400, detail, remedy });
 }
 
 // What fetch needs to send it.

@@ -1,8 +1,8 @@
 // A measuring job: started, watched, cancelled; its results.
 
-import { at, html, show } from "./elements.js";
+import { at, breakable, html, show } from "./elements.js";
 import { ended, watch } from "./events.js";
-import { forgetJob, keepJob, keptJobs, putJobInAddress } from "./kept.js";
+import { forgetJob, keepJob, keptJobs } from "./kept.js";
 import { ask, askJson, download, hasToken } from "./service.js";
 import { ago, counted, seconds } from "./words.js";
 
@@ -13,12 +13,13 @@ let current = null;
 
 export const currentJob = () => current;
 
+export const stateName = (job) => NAMES[job.state];
+
 // Shows the job and follows it; `said` hears of every new state, `finished` of the result.
 export async function follow(first, { finished, said }) {
   leave();
   const control = new AbortController();
   following = control;
-  putJobInAddress(first.id);
   const each = (job) => {
     if (control.signal.aborted) return;
     const news = current?.state !== job.state;
@@ -41,7 +42,6 @@ export function leave() {
   following?.abort();
   following = null;
   current = null;
-  putJobInAddress(null);
   show(at("job"), false);
 }
 
@@ -50,7 +50,7 @@ function draw(job) {
   const over = ended(job);
   at("job").dataset.state = state;
   const share = progress?.total > 0 ? progress.done / progress.total : 0;
-  const name = state === "running" && share > 0 ? `Measuring, ${Math.floor(100 * share)} %` : NAMES[state];
+  const name = state === "running" ? `Measuring, ${Math.floor(100 * share)} %` : NAMES[state];
   if (at("job-name").textContent !== name) at("job-name").textContent = name;
   at("job-facts").textContent = over ? (state === "cancelled" ? "Nothing was kept of it." : "") : [progress?.what, left(job, share)].filter(Boolean).join(" · ") || "The page may be closed meanwhile: the service goes on.";
   bar(share, progress, over, state === "queued");
@@ -70,7 +70,7 @@ function draw(job) {
 function bar(share, progress, over, waiting) {
   const place = at("job-bar");
   show(place, !over);
-  place.classList.toggle("waiting", waiting || share === 0);
+  place.classList.toggle("waiting", waiting);
   place.firstElementChild.style.width = `${100 * share}%`;
   place.setAttribute("aria-valuemax", progress?.total || 1);
   place.setAttribute("aria-valuenow", progress?.done ?? 0);
@@ -102,7 +102,7 @@ export function listJobs(openJob) {
   const kept = keptJobs();
   show(at("recent"), kept.length > 0);
   at("jobs").replaceChildren(...kept.map((job) => html("li", {},
-    html("a", { href: `#job=${job.id}`, onclick: (event) => { event.preventDefault(); openJob(job.id); } }, html("bdi", {}, job.level || "unnamed")),
+    html("a", { href: `#job=${job.id}`, onclick: (event) => { event.preventDefault(); openJob(job.id); } }, html("bdi", {}, ...breakable(job.level || "unnamed"))),
     html("span", { class: `badge ${job.state}` }, job.state),
     html("span", { class: "under" }, ago(job.created)),
     html("button", { type: "button", class: "quiet", "aria-label": `Forget ${job.level}`, title: "Takes it off this list only", onclick: () => { forgetJob(job.id); listJobs(openJob); } }, "Forget"))));

@@ -70,6 +70,9 @@ export const forgetJob = (id) => write(JOBS, keptJobs().filter((one) => one.id !
 // The fragment names the job, so that a reload, a bookmark or a second window finds it.
 export const jobInAddress = () => /^#job=([\w-]+)$/.exec(location.hash)?.[1] ?? null;
 
-export function putJobInAddress(id) {
-  history.replaceState(null, "", id ? `#job=${id}` : location.pathname);
+// `place` is what the page shows there, so that the browser's Back can come back to it.
+export function putInAddress(place, job, anew) {
+  const address = job ? `#job=${job}` : location.pathname;
+  if (anew) history.pushState(place, "", address);
+  else history.replaceState(place, "", address);
 }

@@ -1,11 +1,10 @@
 // The table of lights: one group of rows a light, predicted above measured, and what is behind them below.
 
-import { lightsOf, verdict } from "./answers.js";
-import { at, badge, html, mark, meter, techniqueTitle } from "./elements.js";
+import { closeCall, differences, isCloseCall, lightsOf, verdict } from "./answers.js";
+import { at, badge, breakable, html, mark, meter, techniqueTitle } from "./elements.js";
 import { details } from "./details.js";
 import { counted, ms, percent, px, range, sentence } from "./words.js";
 
-const CLOSE_CALL = 0.6;
 const COLUMNS = ["Light", "Use", "Shadow time", "Edge off", "Confidence", "Why"];
 const NUMBERS = new Set(["Shadow time", "Edge off", "Confidence"]);
 
@@ -19,17 +18,18 @@ export function forgetRows() {
 
 export function showLights(predicted, measured) {
   const lights = lightsOf(predicted, measured);
+  const unlike = predicted && measured ? differences(predicted, measured, lights) : [];
   const head = COLUMNS.map((name) => html("th", { scope: "col", role: "columnheader", class: NUMBERS.has(name) ? "number" : "" }, name));
   const table = html("table", { class: measured && predicted ? "lights both" : "lights", role: "table", "aria-label": "Lights" },
     html("thead", { role: "rowgroup" }, html("tr", { role: "row" }, ...head)),
-    ...lights.map(group));
+    ...lights.map((light) => group(light, unlike.length === 0)));
   const focused = document.activeElement?.closest?.("[data-node]")?.dataset.node;
   at("lights").replaceChildren(table);
   if (focused !== undefined) table.querySelector(`[data-node="${focused}"] .opens`)?.focus();
   before = new Map(lights.map((light) => [light.node, light.predicted?.chosen?.name]));
   at("expand").textContent = open.size > 0 ? "Close all" : "Open all";
   at("expand").onclick = () => all(table, open.size === 0);
-  return lights;
+  return { lights, unlike };
 }
 
 function all(table, wanted) {
@@ -38,15 +38,15 @@ function all(table, wanted) {
   }
 }
 
-function group(light) {
+function group(light, comparable) {
   const answers = [light.predicted, light.measured].filter(Boolean);
   const key = String(light.node);
   const id = `behind-${key}`;
-  const button = html("button", { type: "button", class: "opens", "aria-expanded": "false", "aria-controls": id }, html("bdi", {}, light.name || "unnamed"));
+  const button = html("button", { type: "button", class: "opens", "aria-expanded": "false", "aria-controls": id }, html("bdi", {}, ...breakable(light.name || "unnamed")));
   const mobility = answers.find((one) => one.mobility)?.mobility;
   const facts = [light.kind, mobility].filter(Boolean).join(", ");
   const name = html("th", { scope: "rowgroup", role: "rowheader", rowspan: answers.length, class: "light" }, button, html("span", { class: "under" }, facts || `node ${light.node}`));
-  const rows = answers.map((answer, index) => row(light, answer, index === 0 ? name : null));
+  const rows = answers.map((answer, index) => row(light, answer, index === 0 ? name : null, comparable));
   const behind = html("tr", { role: "row", class: "behind", id, hidden: true }, html("td", { role: "cell", colspan: COLUMNS.length }));
   const changed = light.predicted?.chosen && before.has(light.node) && before.get(light.node) !== light.predicted.chosen.name;
   const body = html("tbody", { role: "rowgroup", "data-node": key, class: changed ? "changed" : "" }, ...rows, behind);
@@ -68,7 +68,7 @@ function group(light) {
   return body;
 }
 
-function row(light, answer, name) {
+function row(light, answer, name, comparable) {
   const measured = answer.source === "measured";
   const attributes = { role: "row", class: `answer ${answer.source}` };
   const both = light.predicted && light.measured;
@@ -77,7 +77,7 @@ function row(light, answer, name) {
   }
   const { chosen } = answer;
   return html("tr", attributes, name,
-    cell("Use", [html("span", { class: "name" }, mark(chosen.technique), chosen.name), html("span", { class: "under" }, both ? answer.source : techniqueTitle(chosen.technique), badges(light, answer))], "use"),
+    cell("Use", [html("span", { class: "name", title: chosen.meaning || null }, mark(chosen.technique), chosen.name), html("span", { class: "under" }, both ? answer.source : techniqueTitle(chosen.technique), badges(light, answer, comparable))], "use"),
     cell("Shadow time", figure(ms(chosen.ms), chosen.msRange && range(chosen.msRange, "ms")), "number"),
     cell("Edge off", figure(px(chosen.px), chosen.pxRange && range(chosen.pxRange, "px")), answer.within ? "number" : "number over"),
     cell("Confidence", confidence(answer), "number"),
@@ -92,20 +92,21 @@ function figure(value, below) {
   return [html("span", { class: "figure" }, value), below ? html("span", { class: "under" }, below) : null];
 }
 
-function confidence({ confidence: share }) {
+function confidence(answer) {
+  const share = answer.confidence;
   if (share === null || share === undefined) return "-";
-  return [html("span", { class: "figure" }, percent(share)), share < CLOSE_CALL ? html("span", { class: "under" }, "close call") : meter(share, "meter")];
+  return [html("span", { class: "figure" }, percent(share)), isCloseCall(answer) ? html("span", { class: "under hint", title: closeCall(answer) }, "close call") : meter(share, "meter")];
 }
 
 function why(answer) {
   return answer.decidedBy.length > 0 ? sentence(answer.decidedBy.map((one) => one.words).join(", ")) : answer.reason;
 }
 
-function badges(light, answer) {
+function badges(light, answer, comparable) {
   const found = [];
   if (!answer.within) found.push(badge("over the limit", "over", "No candidate keeps the limit; this one comes closest."));
   if (answer.outside.length > 0) found.push(badge("unusual", "", `${counted(answer.outside.length, "feature")} outside of what the model has learnt from`));
-  const judged = answer.source === "measured" ? verdict(light) : null;
+  const judged = answer.source === "measured" && comparable ? verdict(light) : null;
   if (judged) found.push(badge(...judged));
   return found.length > 0 ? html("span", { class: "badges" }, ...found) : null;
 }

@@ -1,25 +1,33 @@
 // The page: what it shows at present, and what happens when something is dropped, chosen or asked.
 
-import { verdict } from "./answers.js";
+import { summary, verdict } from "./answers.js";
 import { draw as drawDial } from "./dial.js";
 import { setFeatures } from "./details.js";
-import { at, setTechniques, show } from "./elements.js";
+import { at, breakable, html, mark, setTechniques, show } from "./elements.js";
 import { ended } from "./events.js";
 import { chosen, dropped, levelOf, sent } from "./files.js";
-import { cancel, currentJob, downloadMeasured, downloadReport, follow, leave, listJobs } from "./job.js";
-import { closeLevel, forgetJob, jobInAddress, keepLevel, keptLevel, putJobInAddress, wasOpen } from "./kept.js";
+import { cancel, currentJob, downloadMeasured, downloadReport, follow, leave, listJobs, stateName } from "./job.js";
+import { closeLevel, forgetJob, jobInAddress, keepLevel, keptLevel, putInAddress, wasOpen } from "./kept.js";
 import { forgetRows, showLights } from "./lights.js";
+import { announce } from "./reading.js";
 import { ask, askJson, download, Problem } from "./service.js";
-import { enableWish, offerPolicies, query, sameAsked } from "./wish.js";
-import { counted } from "./words.js";
-
-const INVITATION = at("drop-name").textContent;
+import { currentWish, enableWish, offerPolicies, putWish, query, showWhatIsWrong, wishHolds } from "./wish.js";
+import { counted, deviceName, listed, ms } from "./words.js";
 
 let level = null;
 let predicted = null;
 let measured = null;
 let asking = null;
 let ready = null;
+// What the predictions shown were asked with, and whether they no longer answer what the controls say.
+let answeredWish = null;
+let stale = false;
+let reading = false;
+
+// Levels that the browser's Back may come back to, by the key in its entry.
+const visited = new Map();
+let key = "";
+let moves = 0;
 
 function say(words) {
   at("status").textContent = words;
@@ -39,7 +47,7 @@ async function attempt(act) {
     }
     at("problem-what").textContent = error.message;
     at("problem-again").onclick = () => attempt(act);
-    show(at("problem-again"), error.status === 0 || error.status >= 500 || error.status === 429);
+    show(at("problem-again"), error.status === 0 || error.status >= 500);
     show(at("problem"));
     at("problem").scrollIntoView({ block: "nearest" });
   }
@@ -54,24 +62,62 @@ async function take(files) {
 }
 
 // What is open stays open until the next level has been understood.
-async function openLevel(next) {
-  at("drop-name").textContent = `Reading ${next.name}`;
-  try {
-    const answer = await answered(next);
+async function openLevel(next, anew = true) {
+  const answer = await answered(next, "Reading");
+  if (!anew && currentJob() && currentJob().level !== next.name) return;
+  const beside = currentJob() && staysBeside(currentJob(), next, answer, anew);
+  if (!beside) {
     leave();
-    forgetRows();
-    [level, predicted, measured] = [next, answer, null];
-  } finally {
-    at("drop-name").textContent = INVITATION;
+    measured = null;
   }
+  forgetRows();
+  moves += 1;
+  key = `${Date.now()}-${moves}`;
+  [level, predicted] = [next, answer];
+  setPlace(anew && !beside);
   tell();
   at("level-name").focus({ preventScroll: true });
   scrollTo({ top: 0 });
 }
 
+// A job stays when its own level is opened beside it.
+function staysBeside(job, next, answer, anew) {
+  if (job.level !== next.name || (measured && measured.digest !== answer.digest)) return false;
+  return !anew || (!level && ["queued", "running", "done"].includes(job.state));
+}
+
+// Names in the address and in the browser's history what is shown.
+function setPlace(anew) {
+  const job = currentJob();
+  const place = { view: job ? "job" : level ? "level" : "home", key: level ? key : "", name: level?.name ?? "", over: Boolean(job && anew && history.state?.view === "level") };
+  putInAddress(place, job?.id, anew);
+  if (level) visited.set(key, { level, predicted, answeredWish });
+}
+
 async function predict() {
-  predicted = await answered(level);
+  try {
+    predicted = await answered(level, "Asking again:");
+    visited.set(key, { level, predicted, answeredWish });
+  } catch (error) {
+    if (error.name !== "AbortError") outdate();
+    throw error;
+  }
   tell();
+}
+
+// The table stays, but does not look like the answer to what is asked now.
+function outdate() {
+  asking?.abort();
+  stale = true;
+  draw();
+}
+
+function stopAsking() {
+  asking?.abort();
+  if (predicted && answeredWish) putWish(answeredWish);
+  stale = false;
+  say("Cancelled.");
+  draw();
 }
 
 function tell() {
@@ -79,21 +125,35 @@ function tell() {
   say(`Answers for ${counted(predicted.lights.length, "light")} of ${predicted.level}, edges off by at most ${predicted.max_edge_error_px} pixels.`);
 }
 
-async function answered(asked) {
+async function answered(asked, verb) {
   asking?.abort();
   const control = new AbortController();
   asking = control;
-  busy(true);
+  const again = asked === level;
+  const wish = currentWish();
+  const quiet = announce(verb, asked.name, { late: again, cancel: stopAsking });
+  busy(again, !again);
+  if (!again) say(`Reading ${asked.name}`);
   try {
-    return await askJson("/v1/levels", { ...sent(asked), query: query(asked.name), signal: control.signal });
+    const answer = await askJson("/v1/levels", { ...sent(asked), query: query(asked.name), signal: control.signal });
+    [answeredWish, stale] = [wish, false];
+    return answer;
   } finally {
-    if (asking === control) busy(false);
+    quiet();
+    if (asking === control) {
+      asking = null;
+      busy(false, false);
+      if (!again) draw();
+    }
   }
 }
 
-function busy(wanted) {
-  document.body.classList.toggle("asking", wanted);
-  at("lights").setAttribute("aria-busy", String(wanted));
+function busy(again, anew) {
+  reading = anew;
+  document.body.classList.toggle("asking", again);
+  document.body.classList.toggle("reading", anew);
+  at("lights").setAttribute("aria-busy", String(again));
+  enableWish(Boolean(level) && !anew);
 }
 
 function draw() {
@@ -102,28 +162,73 @@ function draw() {
   show(at("welcome"), !shown && !job);
   show(at("level"), Boolean(shown) || Boolean(job));
   if (!shown && !job) return;
-  at("level-name").textContent = level?.name ?? job?.level ?? shown.level;
-  at("level-kicker").textContent = measured ? (predicted ? "Predicted and measured" : "Measured") : "Predicted";
+  at("level-name").replaceChildren(...breakable(level?.name ?? job?.level ?? shown.level));
+  at("level-kicker").textContent = kicker(job);
   document.title = `${at("level-name").textContent} · Gnomon`;
   show(at("measure"), Boolean(level) && !(job && !ended(job)));
   at("measure").textContent = measured ? "Measure again" : "Measure this level";
   at("measure").classList.toggle("strong", !measured);
   show(at("download"), Boolean(predicted?.lights.some((one) => !one.problem)));
-  enableWish(Boolean(level));
+  show(at("job-again"), !level && ["failed", "cancelled"].includes(job?.state));
+  enableWish(Boolean(level) && !reading);
   show(at("wish"), Boolean(level));
-  if (!shown) return;
-  at("level-facts").textContent = [counted(shown.lights.length, "light"), shown.format, `seen at ${shown.resolution.join("x")}`].join(" · ");
-  at("table-note").textContent = note(showLights(predicted, measured));
+  facts(shown, job);
+  drawTable(shown);
+}
+
+function kicker(job) {
+  if (measured) return predicted ? "Predicted and measured" : "Measured";
+  return predicted ? "Predicted" : stateName(job);
+}
+
+function drawTable(shown) {
+  at("lights").classList.toggle("stale", stale);
+  show(at("lights"), Boolean(shown));
+  show(at("expand"), Boolean(shown));
+  const { lights, unlike } = shown ? showLights(predicted, measured) : { lights: [], unlike: [] };
+  at("table-note").textContent = note(lights, unlike);
+  const sources = ["predicted", "measured"].map((name) => [name, summary(lights, name)]).filter(([, one]) => one);
+  at("level-summary").replaceChildren(...sources.map(([name, one]) => html("p", { class: "facts" }, ...summed(one, sources.length > 1 ? name : ""))));
+}
+
+function summed({ counts, without, ms: together }, source) {
+  const words = counts.map(([technique, count], index) => html("span", { class: "share" }, mark(technique), html("strong", {}, technique), ` for ${index === 0 ? counted(count, "light") : count.toLocaleString("en")}`));
+  const rest = without > 0 ? html("span", { class: "share" }, `no answer for ${without.toLocaleString("en")}`) : null;
+  const whose = source ? html("span", { class: "source" }, source) : null;
+  return [whose, ...words, rest, html("span", { class: "share" }, html("strong", {}, ms(together)), " if all are drawn")];
+}
+
+// What the table is about: light count, format, size and device.
+function facts(shown, job) {
+  const resolution = shown ? shown.resolution.join("x") : job.options.resolution;
+  const count = shown ? shown.lights.length : job.lights;
+  const words = [typeof count === "number" ? counted(count, "light") : "", shown?.format ?? "", resolution ? `seen at ${resolution}` : ""];
+  const renderer = shown ? shown.model?.device ?? shown.device?.renderer : "";
+  // An opened explanation stays open while the figures change.
+  const before = at("device")?.closest("details").open ?? false;
+  at("level-facts").replaceChildren(html("span", {}, words.filter(Boolean).join(" · ")), ...(renderer ? [timesOf(renderer, before)] : []));
   if (predicted) at("model").textContent = `Predicted by a model of ${predicted.model.generator} with times of ${predicted.model.device}.`;
 }
 
-function note(lights) {
-  if (!measured) return "";
-  if (!predicted) return "This level is not open here. Drop it again to see predictions beside.";
+function timesOf(renderer, open) {
+  const summary = html("summary", { id: "device", title: renderer }, `times of ${deviceName(renderer)}`);
+  const command = (words) => html("code", {}, words);
+  const words = predicted
+    ? ["Times are predicted for ", html("strong", {}, renderer), ". For those of another device, run ", command("gnomon benchmark"), " on it, let ", command("gnomon train"), " learn from that, and start ", command("gnomon serve --model FILE"), " with the model."]
+    : ["Measured on ", html("strong", {}, renderer), ", the device of this service."];
+  return html("details", { class: "times", open }, summary, html("p", {}, ...words));
+}
+
+const sameWish = (one, other) => JSON.stringify(one) === JSON.stringify(other);
+
+function note(lights, unlike) {
+  if (stale) return "The table answers what was asked before, not what the controls say now.";
+  if (!predicted && !level) return reading ? "" : `This level is not open here. Drop it again to see predictions${measured ? " beside" : ""}.`;
+  if (!measured || !predicted) return "";
+  if (unlike.length > 0) return `Not compared: ${listed(unlike)}.`;
   const judged = lights.map(verdict).filter(Boolean);
   const right = judged.filter(([, kind]) => kind !== "differs").length;
-  const words = `The technique came out as predicted for ${right} of ${counted(judged.length, "light")}.`;
-  return sameAsked(currentJob().options) ? words : `${words} What was measured was asked otherwise: edges off by at most ${measured.max_edge_error_px} px, at ${measured.resolution.join("x")}.`;
+  return `The technique came out as predicted for ${right} of ${counted(judged.length, "light")}.`;
 }
 
 const heard = { said: (job, words) => {
@@ -139,15 +244,23 @@ const heard = { said: (job, words) => {
   if (result) say(`${job.level} is measured: ${counted(result.lights.length, "light")}.`);
 } };
 
+// Nothing is asked that the service would refuse.
+const checked = (act) => async () => {
+  if (wishHolds()) await act();
+  else showWhatIsWrong();
+};
+
 async function measure() {
   at("measure").disabled = true;
   try {
     const answer = await ask("/v1/jobs", { ...sent(level), query: query(level.name) });
     const job = await answer.json();
     measured = null;
-    draw();
     setTimeout(() => at("job").scrollIntoView({ block: "nearest" }));
+    moves += 1;
     attempt(() => follow(job, heard));
+    setPlace(true);
+    draw();
     listJobs(openJob);
   } finally {
     at("measure").disabled = false;
@@ -161,35 +274,108 @@ async function knownJob(id) {
   } catch (error) {
     if (error.status === 404) {
       forgetJob(id);
-      putJobInAddress(currentJob()?.id ?? null);
+      setPlace(false);
       listJobs(openJob);
     }
     throw error;
   }
 }
 
-const openJob = (id) => attempt(async () => {
+// Shows the job; that it is followed from then on is not waited for.
+async function showJob(id, anew) {
+  moves += 1;
+  const mine = moves;
   const job = await knownJob(id);
+  if (mine !== moves) return;
   if (level && level.name !== job.level) [level, predicted] = [null, null];
   measured = null;
   forgetRows();
-  const following = follow(job, heard);
+  attempt(() => follow(job, heard));
+  setPlace(anew);
   draw();
   at("level-name").focus({ preventScroll: true });
-  await following;
-});
+}
 
-function home(event) {
-  event.preventDefault();
+const openJob = (id, anew = true) => attempt(() => showJob(id, anew));
+
+function showHome() {
+  moves += 1;
   asking?.abort();
   leave();
   closeLevel();
-  [level, predicted, measured] = [null, null, null];
+  [level, predicted, measured, stale] = [null, null, null, false];
   show(at("problem"), false);
   document.title = "Gnomon";
   draw();
   listJobs(openJob);
+}
+
+function home(event) {
+  event.preventDefault();
+  const away = Boolean(level || currentJob());
+  showHome();
+  if (away) setPlace(true);
   at("drop").focus();
+}
+
+function closeJob() {
+  const back = history.state?.over;
+  leave();
+  measured = null;
+  if (!predicted) showHome();
+  draw();
+  listJobs(openJob);
+  // The level's own entry lies below, and there should not be two of it.
+  if (back) history.back();
+  else setPlace(false);
+}
+
+// Back or Forward, or another fragment in the address.
+async function travelled() {
+  // A link within the page, such as the one that skips to the content, leads nowhere else.
+  if (!history.state && !jobInAddress() && location.hash) {
+    setPlace(false);
+    return;
+  }
+  moves += 1;
+  asking?.abort();
+  show(at("problem"), false);
+  const place = history.state ?? { view: "home" };
+  const job = jobInAddress();
+  const known = visited.get(place.key);
+  if (!job && place.view !== "level") showHome();
+  else if (known) takeUp(known, place);
+  if (job) {
+    if (job !== currentJob()?.id) await showJob(job, false);
+    return;
+  }
+  if (place.view !== "level") return;
+  leave();
+  measured = null;
+  listJobs(openJob);
+  if (known) draw();
+  else await reopen(place.name);
+  if (level && predicted && !sameWish(currentWish(), answeredWish)) await predict();
+}
+
+// The controls are the person's, so a table of another time is asked for again where they differ.
+function takeUp(known, place) {
+  ({ level, predicted, answeredWish } = known);
+  key = place.key;
+  stale = false;
+  forgetRows();
+  keepLevel(level);
+}
+
+// A level of before the last reload: the browser has kept one.
+async function reopen(name) {
+  const kept = await keptLevel();
+  if (!kept || kept.name !== name) {
+    showHome();
+    setPlace(false);
+    return;
+  }
+  await openLevel(kept, false);
 }
 
 function watchDrops() {
@@ -204,7 +390,7 @@ function watchDrops() {
     const files = dropped(event.dataTransfer);
     attempt(async () => take(await files));
   });
-  for (const id of ["drop", "another"]) at(id).addEventListener("click", () => at("files").click());
+  for (const id of ["drop", "another", "job-again"]) at(id).addEventListener("click", () => at("files").click());
   at("files").addEventListener("change", () => {
     const files = chosen(at("files").files);
     at("files").value = "";
@@ -214,20 +400,27 @@ function watchDrops() {
 
 function wire() {
   watchDrops();
-  const press = { measure, example: tryExample, "job-cancel": cancel, "job-download": downloadMeasured, "job-report-saved": downloadReport };
+  const press = { measure: checked(measure), example: tryExample, "job-cancel": cancel, "job-download": downloadMeasured, "job-report-saved": downloadReport };
   for (const [id, act] of Object.entries(press)) at(id).addEventListener("click", () => attempt(act));
-  at("download").addEventListener("click", () => attempt(() => download("/v1/levels/annotated", { ...sent(level), query: query(level.name) }, level.name)));
+  at("download").addEventListener("click", () => attempt(checked(() => download("/v1/levels/annotated", { ...sent(level), query: query(level.name) }, level.name))));
   at("problem-close").addEventListener("click", () => show(at("problem"), false));
-  at("job-close").addEventListener("click", () => { leave(); measured = null; if (predicted) draw(); else home(new Event("close")); });
+  at("job-close").addEventListener("click", closeJob);
   at("home").addEventListener("click", home);
-  addEventListener("hashchange", () => { if (jobInAddress() && jobInAddress() !== currentJob()?.id) openJob(jobInAddress()); });
+  addEventListener("popstate", () => attempt(travelled));
 }
 
+// The job first, as that is there at once.
 async function restore() {
   const job = jobInAddress();
   const kept = wasOpen() ? await keptLevel() : null;
-  if (kept) await openLevel(kept);
-  if (job) await openJob(job);
+  if (job) await openJob(job, false);
+  if (!kept) return;
+  try {
+    await openLevel(kept, false);
+  } catch (error) {
+    if (error.name === "AbortError" && !level) closeLevel();
+    throw error;
+  }
 }
 
 async function tryExample() {
@@ -239,7 +432,7 @@ async function start() {
   const [techniques, policies, features] = await Promise.all(["/v1/techniques", "/v1/policies", "/v1/features"].map((path) => askJson(path)));
   setTechniques(techniques.techniques);
   setFeatures(features.features);
-  offerPolicies(policies, () => { if (level) attempt(predict); });
+  offerPolicies(policies, { changed: () => { if (level) attempt(predict); }, refused: () => { if (level) outdate(); } });
 }
 
 drawDial(at("dial"));
@@ -247,5 +440,6 @@ wire();
 listJobs(openJob);
 attempt(() => {
   ready = start();
-  return ready.then(restore);
+  // Reading a level again may take a minute, in which the page is of use.
+  return ready.then(() => document.body.classList.remove("starting")).then(restore);
 }).finally(() => document.body.classList.remove("starting"));

@@ -98,7 +98,8 @@ function labelled(dots, answer, corners) {
   }
   const apart = (one, other) => one[2] < other[0] || other[2] < one[0] || one[3] < other[1] || other[3] < one[1];
   for (const dot of [...dots].sort((one, other) => first(one) - first(other))) {
-    const width = dot.one.name.length * LETTER;
+    // The name of the choice is bold.
+    const width = dot.one.name.length * LETTER * (dot.one.chosen ? 1.2 : 1) + 4;
     const gap = dot.one.chosen ? 15 : 10;
     const places = [["start", gap, 4], ["end", -gap, 4], ["middle", 0, -gap], ["middle", 0, gap + 9]];
     const boxes = places.map(([anchor, dx, dy]) => {

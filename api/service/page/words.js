@@ -30,6 +30,36 @@ export function candidate(label, settings) {
   return [label, ...shown.map(([, value]) => value)].join(" ");
 }
 
+const COVERS = { view: "covering what the camera sees", light: "covering all that the light reaches" };
+
+// What the settings beside a technique's label mean; empty where there are none.
+export function settingsMeaning(settings) {
+  const { map_size: size, filter, kernel, focus, ...others } = settings ?? {};
+  const taps = filter ?? kernel;
+  const parts = [
+    size && `a map of ${size} x ${size} texels`,
+    taps && (taps === "1x1" ? "not filtered" : `filtered over ${taps.replace("x", " x ")} texels`),
+    COVERS[focus],
+    ...Object.entries(others).map(([name, value]) => `${name.replaceAll("_", " ")} ${value}`),
+  ];
+  return parts.filter(Boolean).join(", ");
+}
+
+// Undoes the logarithm of a feature, which only a model reads easily.
+export function plainly(value, unit) {
+  const [, plus, of] = /^log2(?:\((1 \+ )?(\w+)\))?$/.exec(unit) ?? [];
+  if (!unit.startsWith("log2")) return `${Number(value.toPrecision(3))}${unit === "none" ? "" : ` ${unit}`}`;
+  const plain = 2 ** value - (plus ? 1 : 0);
+  if (of === undefined) return `${digits(plain)} times`;
+  return of === "count" ? Math.round(plain).toLocaleString("en") : `${digits(plain)} ${of}`;
+}
+
+// The device by name: a link's width and instructions of the processor tell nobody anything.
+export function deviceName(renderer) {
+  const software = /llvmpipe|softpipe|swiftshader|lavapipe/i.exec(renderer);
+  return software ? `${software[0]} (no GPU)` : renderer.replace(/\/PCIe.*$/, "").replace(/\s*\((?:LLVM|DRM|Mesa)[^)]*\)/i, "");
+}
+
 export const counted = (count, noun) => `${count.toLocaleString("en")} ${noun}${count === 1 ? "" : "s"}`;
 
 export function seconds(count) {
