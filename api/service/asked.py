@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, WithJsonSchema, create_model
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    WithJsonSchema,
+    create_model,
+)
 
 from features.table import FEATURES
 from renderers.registry import TECHNIQUES
@@ -42,6 +51,12 @@ def _check_resolution(text: str) -> str:
     return text
 
 
+def _no_boolean(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("true and false are no numbers")  # noqa: TRY004  pydantic wants this one
+    return value
+
+
 # 16 to 4096, so that /openapi.json says what the check does.
 _SIDE = r"(1[6-9]|[2-9][0-9]|[1-9][0-9]{2}|[1-3][0-9]{3}|40[0-8][0-9]|409[0-6])"
 
@@ -49,8 +64,9 @@ TechniqueName = Annotated[str, _known(_TECHNIQUE_NAMES, "technique"), _schema(_T
 PolicyName = Annotated[str, _known(_POLICY_NAMES, "policy"), _schema(_POLICY_NAMES)]
 Name = Annotated[str, Field(max_length=LONGEST_NAME)]
 Resolution = Annotated[str, Field(pattern=f"^{_SIDE}x{_SIDE}$"), AfterValidator(_check_resolution)]
+Number = Annotated[FiniteFloat, BeforeValidator(_no_boolean)]
 MaxEdgeError = Annotated[
-    FiniteFloat | None,
+    Number | None,
     Field(
         ge=0, le=LARGEST_ERROR_PX, description="How far a shadow's edge may be off, in place of the policy's."
     ),
@@ -59,7 +75,7 @@ Mobility = Literal["dynamic", "static"]
 
 _feature_fields: dict[str, Any] = {
     one.name: (
-        FiniteFloat,
+        Number,
         Field(
             ge=-LARGEST_FEATURE,
             le=LARGEST_FEATURE,

@@ -12,6 +12,8 @@ from starlette.types import Message, Receive, Send
 from api.service.problems import ProblemError
 from api.service.settings import Limits
 
+DRAIN_S = 2.0
+
 
 class BodyFlow:
     """Stands between a server and an application, for one request.
@@ -21,12 +23,14 @@ class BodyFlow:
         send: Of the server.
         limits: Of the service.
         most_bytes: Of the request's body.
+        remedy: What a client can do whose body is larger.
 
     Attributes:
         finished: Whether the whole body has come in.
     """
 
-    def __init__(self, receive: Receive, send: Send, limits: Limits, most_bytes: int) -> None:
+    def __init__(self, receive: Receive, send: Send, limits: Limits, most_bytes: int, remedy: str) -> None:
+        self._remedy = remedy
         self._receive, self._send, self._limits, self._most = receive, send, limits, most_bytes
         self._bytes = 0
         self._until = time.monotonic() + limits.body_s
@@ -74,7 +78,7 @@ class BodyFlow:
         """Lets go by what a client is still sending: it does not listen to an answer before."""
         rest = self._most
         with suppress(TimeoutError):
-            async with asyncio.timeout(self._limits.body_idle_s):
+            async with asyncio.timeout(min(self._limits.body_idle_s, DRAIN_S)):
                 while not self.finished and rest > 0:
                     message = await self._receive()
                     rest -= len(message.get("body", b""))
@@ -97,5 +101,5 @@ class BodyFlow:
         return ProblemError(
             "too-large",
             f"The body of this request is larger than the {self._most:,} bytes that the service takes here.",
-            remedy="Leave out what the level does not need for its shadows, such as textures.",
+            remedy=self._remedy,
         )

@@ -16,9 +16,11 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-from api.service.problems import ProblemError, of_error
+from api.service.problems import ProblemError, is_full, no_room, of_error
 from scenes.errors import GnomonError
 
+TAKEN = "taken"
+"""Said before a request is worked on: what ends the process before was not the request."""
 _PR_SET_PDEATHSIG = 1
 
 Json = dict[str, Any]
@@ -56,6 +58,7 @@ def work_through(
     while (request := _next(pipe)) is not None:
         # In case that nobody is left to end it.
         _limit("RLIMIT_CPU", math.ceil(time.process_time() + seconds * (os.cpu_count() or 1)))
+        say({"kind": TAKEN})
         say(_answer(request, say, work))
 
 
@@ -74,12 +77,14 @@ def _answer(request: Json, say: Say, work: Work) -> Json:
     try:
         return {"kind": "done", **work(request, say)}
     except ProblemError as problem:
-        return _refusal(problem)
+        return _refusal(no_room() if is_full(problem) else problem)
     except GnomonError as error:
-        return _refusal(of_error(error))
+        return _refusal(no_room() if is_full(error) else of_error(error))
     except MemoryError:
         return _refusal(out_of_memory())
     except Exception as error:  # noqa: BLE001  the service answers, whatever happens to a level
+        if is_full(error):
+            return _refusal(no_room())
         # What a library says of it may name files of this machine.
         return _refusal(
             ProblemError("internal", f"This level meets a bug inside Gnomon ({type(error).__name__}).")

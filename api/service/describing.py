@@ -20,7 +20,7 @@ DESCRIPTION = (
     "health shows it as a bearer token."
 )
 _PROBLEM_REF = {"$ref": "#/components/schemas/Problem"}
-_OF_EVERY_ROUTE = (401, 403, 408, 421, 422, 500, 503)
+_OF_EVERY_ROUTE = (401, 403, 408, 421, 422, 500, 503, 507)
 _BINARY = {"type": "string", "format": "binary"}
 
 Json = dict[str, Any]

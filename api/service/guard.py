@@ -27,6 +27,8 @@ from api.wording import shortened
 OPEN_PATHS = ("/", "/healthz", "/readyz")
 PAGE_FOLDER = "/page/"
 LEVEL_PATHS = ("/v1/levels", "/v1/levels/annotated", "/v1/jobs")
+QUESTIONS, ENDLESS = "/v1/recommendations", "/events"
+BODILESS = ("GET", "HEAD")
 LOOPBACK_NAMES = ("localhost",)
 LONGEST_HOST = 300
 # Answers are data for those who asked: they are never framed, guessed at, kept or sent elsewhere.
@@ -70,9 +72,11 @@ class Guard:
 
     async def _answered(self, scope: Scope, receive: Receive, send: Send) -> None:
         start, request_id = time.perf_counter(), secrets.token_hex(8)
-        flow = BodyFlow(receive, send, self._settings.limits, _body_limit(scope, self._settings))
+        flow = BodyFlow(receive, send, self._settings.limits, *_body_limit(scope, self._settings))
         headers, status = Headers(scope=scope), 0
-        patient = "expect" not in headers
+        # Those who send no body listen at once, whatever they announce.
+        patient = "expect" not in headers and scope["method"] not in BODILESS
+        inner = _as_get(scope)
 
         async def noted(message: Message) -> None:
             nonlocal status
@@ -86,7 +90,7 @@ class Guard:
         try:
             self._check(scope)
             flow.check_length(headers)
-            await self._app(scope, flow.receive, noted)
+            await self._app(inner, flow.receive, noted)
         except ProblemError as problem:
             if not status:
                 await response_of(problem)(scope, flow.receive, noted)
@@ -100,9 +104,9 @@ class Guard:
         finally:
             seconds = time.perf_counter() - start
             # Paths of jobs are keys to them: the log has the route.
-            path = getattr(scope.get("route"), "path", ascii(shortened(scope["path"], 200)))
+            path = getattr(inner.get("route"), "path", ascii(shortened(scope["path"], 200)))
             log.info("%s %s %s %s %.1f ms", request_id, scope["method"], path, status or "-", 1000 * seconds)
-            self._metrics.answered(scope, status, seconds)
+            self._metrics.answered({**inner, "method": scope["method"]}, status, seconds)
 
     def _check(self, scope: Scope) -> None:
         headers = Headers(scope=scope)
@@ -179,9 +183,22 @@ def _is_open(scope: Scope) -> bool:
     return scope["path"] in OPEN_PATHS or scope["path"].startswith(PAGE_FOLDER)
 
 
-def _body_limit(scope: Scope, settings: Settings) -> int:
+def _as_get(scope: Scope) -> Scope:
+    """HEAD is answered as GET is; the server leaves the body out. Events would never end."""
+    if scope["method"] != "HEAD" or scope["path"].endswith(ENDLESS):
+        return scope
+    return {**scope, "method": "GET"}
+
+
+def _body_limit(scope: Scope, settings: Settings) -> tuple[int, str]:
+    """How many bytes a body may have, and what to do about more."""
     limits = settings.limits
-    return limits.upload_bytes if scope["path"] in LEVEL_PATHS else limits.question_bytes
+    if scope["path"] in LEVEL_PATHS:
+        remedy = "Leave out what the level does not need for its shadows, such as textures."
+        return limits.upload_bytes, remedy
+    if scope["path"] == QUESTIONS:
+        return limits.question_bytes, "Ask about one light, in as many views as it takes."
+    return limits.question_bytes, "Send no body here."
 
 
 def _complete(message: Message, request_id: str, *, closing: bool) -> None:

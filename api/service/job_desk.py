@@ -12,24 +12,28 @@ import secrets
 import sqlite3
 import time
 from collections import Counter
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from starlette.concurrency import run_in_threadpool
 
+from api.service.child_process import TAKEN
 from api.service.job_folders import JobFolders
 from api.service.job_record import Progress, event_id, job_record
 from api.service.job_results import RESULTS
 from api.service.job_store import JobRow, JobStore, State
-from api.service.problems import ProblemError, problem_record
+from api.service.problems import ProblemError, problem_record, unwritten
 from api.service.receiving import Upload
 from api.service.settings import Settings
 from api.service.worker import Entry, Loss, LostWorkerError, Worker
+from api.wording import shortened
 
 START_S = 300.0
 RETRY_AFTER_S = 60
 CLEANING_S = 3600.0
+LONGEST_WHAT = 200
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 1.0, 60.0
 
 Json = dict[str, Any]
@@ -47,6 +51,7 @@ class JobDesk:
 
     Attributes:
         lost: How many processes were lost, by what ended them.
+        followers: How many clients follow jobs.
     """
 
     def __init__(self, settings: Settings, folders: JobFolders, store: JobStore, entry: Entry) -> None:
@@ -58,6 +63,7 @@ class JobDesk:
         self._running: str | None = None
         self._task: asyncio.Task[None] | None = None
         self.lost: Counter[str] = Counter()
+        self.followers = 0
 
     def start(self) -> None:
         """Takes up what an earlier service left, and begins to work."""
@@ -124,9 +130,7 @@ class JobDesk:
             row = self._store.add(job, looked["name"], looked["media_type"], options, looked["lights"])
         except sqlite3.Error as error:
             self._folders.drop(job)
-            raise ProblemError(
-                "storage", "The queue of jobs cannot be written.", known=f"SQLite says: {error}."
-            ) from error
+            raise unwritten(error) from error
         self._work.set()
         return row
 
@@ -151,8 +155,30 @@ class JobDesk:
         return event_id(row, self._progress.get(row.id))
 
     def result(self, job: str, name: str) -> Path:
-        """One of the files of a job that is done."""
-        return self._folders.of(job) / RESULTS / name
+        """One of the files of a job that is done.
+
+        Raises:
+            ProblemError: Somebody has removed it.
+        """
+        path = self._folders.of(job) / RESULTS / name
+        if not path.is_file():
+            raise gone("The results of this job are gone from the service's folder.")
+        return path
+
+    def follow(self) -> Callable[[], None]:
+        """One more client follows a job, until what is returned is called.
+
+        Raises:
+            ProblemError: There are too many.
+        """
+        if self.followers >= self._settings.limits.streams:
+            raise ProblemError("busy", "Too many clients follow jobs.", headers={"Retry-After": "5"})
+        self.followers += 1
+
+        def release() -> None:
+            self.followers -= 1
+
+        return release
 
     @property
     def listeners(self) -> int:
@@ -198,17 +224,8 @@ class JobDesk:
             event.set()
 
     def _recover(self) -> None:
-        rows = self._store.all()
-        for row in rows:
-            if row.state is not State.RUNNING:
-                continue
-            if self._folders.has_results(row.id):
-                self._done(row.id, row.steps)
-            elif row.starts >= self._settings.limits.starts:
-                self._fail(row.id, _gave_up(f"It was begun {row.starts} times, and never came to its end."))
-            else:
-                self._store.requeue(row.id, crashed=False)
-        self._folders.drop_unknown(row.id for row in rows)
+        self._requeue_stuck(counted=True)
+        self._folders.drop_unknown(row.id for row in self._store.all())
         self._clean()
 
     async def _run(self) -> None:
@@ -217,11 +234,13 @@ class JobDesk:
             try:
                 if self._worker is None or not self._worker.alive:
                     self._worker = await self._hired()
-                    pause_s = FIRST_PAUSE_S
+                self._requeue_stuck(counted=False)
                 row = self._store.next()
                 if row is not None:
                     await self._measure(row)
                     self._clean()
+                pause_s = FIRST_PAUSE_S
+                if row is not None:
                     continue
                 self._work.clear()
                 with suppress(TimeoutError):
@@ -237,6 +256,21 @@ class JobDesk:
                 await asyncio.sleep(pause_s)
                 pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
 
+    def _requeue_stuck(self, *, counted: bool) -> None:
+        """What seems to run while nothing does is queued again.
+
+        Its service has ended, which counts, or its end could not be written for want of room, which does not.
+        """
+        for row in self._store.all():
+            if row.state is State.RUNNING and not self._finished(row.id):
+                if row.starts >= self._settings.limits.starts:
+                    self._fail(
+                        row.id, _gave_up(f"It was begun {row.starts} times, and never came to its end.")
+                    )
+                else:
+                    self._store.requeue(row.id, crashed=False, counted=counted)
+                self._tell(row.id)
+
     async def _hired(self) -> Worker:
         limits = self._settings.limits
         worker = Worker(self._entry, (self._settings.device, limits.measuring_s), limits.measuring_bytes)
@@ -245,6 +279,10 @@ class JobDesk:
         return worker
 
     async def _measure(self, row: JobRow) -> None:
+        if not self._folders.has_level(row.id, row.level):
+            self._fail(row.id, gone("The level of this job is gone from the service's folder.").record())
+            self._tell(row.id)
+            return
         if not self._store.begin(row.id):
             return
         self._running = row.id
@@ -278,8 +316,11 @@ class JobDesk:
         until = time.monotonic() + limits.measuring_s
         while True:
             word = await self._worker.heard(min(limits.measuring_idle_s, max(until - time.monotonic(), 0)))
+            if word["kind"] == TAKEN:
+                continue
             if word["kind"] == "progress":
-                self._progress[row.id] = Progress(int(word["done"]), int(word["total"]), str(word["what"]))
+                what = shortened(str(word["what"]), LONGEST_WHAT)
+                self._progress[row.id] = Progress(int(word["done"]), int(word["total"]), what)
                 self._tell(row.id)
             elif word["kind"] == "problem":
                 texts = str(word["detail"]), str(word["known"]), str(word["remedy"])
@@ -334,6 +375,11 @@ class JobDesk:
             if old or kept > limits.kept_jobs or size > limits.kept_bytes:
                 self._store.forget(row.id)
                 self._folders.drop(row.id)
+
+
+def gone(words: str) -> ProblemError:
+    """What is said of files that somebody has removed."""
+    return ProblemError("gone", words, remedy="Send the level again.")
 
 
 def _gave_up(known: str) -> Json:

@@ -9,10 +9,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from api.service.job_results import PARTIAL, RESULTS, sync_folder
-from api.service.job_store import JobStoreError
+from api.service.job_store import JOBS, JobStoreError
 from api.service.level_folder import LEVEL, PARTS
-
-JOBS, INCOMING, LOCK = "jobs", "incoming", "lock"
+from api.service.state_folder import INCOMING, JOB_NAME, LOCK, check_is_ours, remove_folders
 
 
 class JobFolders:
@@ -22,12 +21,13 @@ class JobFolders:
         state: The folder; made where it is not there.
 
     Raises:
-        JobStoreError: It cannot be made or written, or another service uses it.
+        JobStoreError: It cannot be made or written, is somebody else's, or another service uses it.
     """
 
     def __init__(self, state: Path) -> None:
         self.state = state
         try:
+            check_is_ours(state)
             (state / JOBS).mkdir(parents=True, exist_ok=True, mode=0o700)
             self._lock = os.open(state / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         except OSError as error:
@@ -66,6 +66,10 @@ class JobFolders:
         upload.rename(self.of(job))
         sync_folder(self.state / JOBS)
 
+    def has_level(self, job: str, name: str) -> bool:
+        """Whether the level of a job is there."""
+        return (self.of(job) / LEVEL / name).is_file()
+
     def has_results(self, job: str) -> bool:
         """Whether all of them are there."""
         return (self.of(job) / RESULTS).is_dir()
@@ -80,9 +84,8 @@ class JobFolders:
         shutil.rmtree(self.of(job), ignore_errors=True)
 
     def drop_unknown(self, known: Iterable[str]) -> None:
-        """Folders of jobs that were never promised, or are forgotten."""
-        for name in {path.name for path in (self.state / JOBS).iterdir()} - set(known):
-            self.drop(name)
+        """Folders of jobs that were never promised, or are forgotten; what has no job's name stays."""
+        remove_folders(self.state / JOBS, JOB_NAME, frozenset(known))
 
     def size(self, job: str) -> int:
         """Bytes of its files."""

@@ -7,15 +7,19 @@ import sqlite3
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, Self
 
 from scenes.errors import GnomonError
 
-FILE = "jobs.sqlite"
+FILE, JOBS = "jobs.sqlite", "jobs"
+"""The queue, and the folder beside it with what belongs to each job."""
 VERSION = 1
+APPLICATION = 0x474E4D51
+"""Marks the file as a queue of ours; those of the first days have 0."""
+_OTHER_FOLDER = "Choose another folder with --state, or move this file away."
 _SCHEMA = """
 CREATE TABLE jobs (
     number INTEGER PRIMARY KEY,
@@ -109,7 +113,8 @@ class JobStore:
         folder: Where it is.
 
     Raises:
-        JobStoreError: It cannot be opened, or a newer Gnomon made it.
+        JobStoreError: It cannot be opened, another program or a newer Gnomon made it, or it is new while
+            there are results of jobs that it knows nothing of.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -119,16 +124,19 @@ class JobStore:
             self._db = sqlite3.connect(self._path, isolation_level=None, check_same_thread=False)
             with _closed_on_failure(self._db):
                 self._db.row_factory = sqlite3.Row
+                # Nothing is changed in the file of another program, not even its journal.
+                new = self._is_new()
                 self._db.execute("PRAGMA journal_mode=WAL")
                 # A commit is on disk before it is told.
                 self._db.execute("PRAGMA synchronous=FULL")
-                self._migrate()
+                if new:
+                    self._make()
         except sqlite3.Error as error:
             raise JobStoreError(
                 "The queue of jobs cannot be opened.",
                 where=str(self._path),
                 known=f"SQLite says: {error}.",
-                remedy="Choose another folder with --state, or move this file away.",
+                remedy=_OTHER_FOLDER,
             ) from error
 
     def __enter__(self) -> Self:
@@ -139,24 +147,47 @@ class JobStore:
         """Close it."""
         self._db.close()
 
-    def _migrate(self) -> None:
-        (found,) = self._db.execute("PRAGMA user_version").fetchone()
-        if found > VERSION:
+    def _is_new(self) -> bool:
+        """Whether there is nothing in the file yet; it is a queue of ours otherwise."""
+        (version,) = self._db.execute("PRAGMA user_version").fetchone()
+        (application,) = self._db.execute("PRAGMA application_id").fetchone()
+        columns = {name for _, name, *_ in self._db.execute("PRAGMA table_info(jobs)")}
+        known = f"Its user_version is {version}, its application_id {application}"
+        if version > VERSION:
+            raise self._refusal("A newer Gnomon made this queue, or another program this file.", f"{known}.")
+        (tables,) = self._db.execute("SELECT COUNT(*) FROM sqlite_master").fetchone()
+        if version == application == tables == 0:
+            self._refuse_results()
+            return True
+        missing = sorted({one.name for one in fields(JobRow)} - columns)
+        if version != VERSION or application not in (0, APPLICATION) or missing:
+            lacks = f"; it has no table jobs with {', '.join(missing)}" if missing else ""
+            raise self._refusal("This file is no queue of jobs: another program made it.", f"{known}{lacks}.")
+        return False
+
+    def _refuse_results(self) -> None:
+        jobs = self._path.parent / JOBS
+        if jobs.is_dir() and any(jobs.iterdir()):
             raise JobStoreError(
-                "A newer Gnomon made this queue.",
-                where=str(self._path),
-                remedy="Choose another folder with --state.",
+                "The queue of jobs is empty, but there are results that belong to one.",
+                where=str(jobs),
+                known=f"{FILE} beside it was lost or is new.",
+                remedy=f"Put the right {FILE} back, move {JOBS} away, or choose another folder with --state.",
             )
-        if found == 0:
-            self._db.execute("BEGIN IMMEDIATE")
-            self._db.execute(_SCHEMA)
-            self._db.execute(f"PRAGMA user_version={VERSION}")
-            self._db.execute("COMMIT")
+
+    def _refusal(self, what: str, known: str) -> JobStoreError:
+        return JobStoreError(what, where=str(self._path), known=known, remedy=_OTHER_FOLDER)
+
+    def _make(self) -> None:
+        self._db.execute("BEGIN IMMEDIATE")
+        self._db.execute(_SCHEMA)
+        self._db.execute(f"PRAGMA application_id={APPLICATION}")
+        self._db.execute(f"PRAGMA user_version={VERSION}")
+        self._db.execute("COMMIT")
 
     def check(self) -> None:
-        """Raises `sqlite3.Error` if nothing can be written."""
-        self._db.execute("BEGIN IMMEDIATE")
-        self._db.execute("ROLLBACK")
+        """Writes, and nothing changes by it; raises `sqlite3.Error` if nothing can be written."""
+        self._db.execute(f"PRAGMA user_version={VERSION}")
 
     def add(self, job: str, level: str, media_type: str, options: Mapping[str, Any], lights: int) -> JobRow:
         """A new job, queued last."""

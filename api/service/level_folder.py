@@ -7,23 +7,26 @@ where the level's uris say, inside the folder and nowhere else. What no uri name
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from api.service.level_names import media_type_of, safe_name, suffix_of
+from api.service.level_names import GLB, GLTF, media_type_of, safe_name, suffix_of
 from api.service.problems import ProblemError
+from scenes.entry import Entry
 from scenes.errors import LevelError
 from scenes.gltf.companions import local_path
 from scenes.gltf.container import parse_json
-from scenes.gltf.json_chunk import find_json
+from scenes.gltf.json_chunk import MAGIC, find_json
 from scenes.level_file import read_level_file
 
 PARTS, LEVEL = "parts", "level"
 DATA = "data:"
 MOST_NAMED = 10
-LONGEST_PATH, DEEPEST_FOLDER = 1000, 32
+LONGEST_PATH, DEEPEST_FOLDER = 1000, 16
+MOST_FILES = 256
+"""That a level names and an upload brings, and folders that they lie in: each is made on disk."""
 
 
 @dataclass(frozen=True)
@@ -54,17 +57,26 @@ class ReadyLevel:
     media_type: str
 
 
-def arranged(upload: Path, parts: Sequence[Part], name: str) -> ReadyLevel:
+def arranged(
+    upload: Path,
+    parts: Sequence[Part],
+    name: str,
+    check: Callable[[Entry], None] | None = None,
+    most_files: int = MOST_FILES,
+) -> ReadyLevel:
     """Puts all files where they belong.
 
     Args:
         upload: The folder with `parts`.
         parts: Its files.
         name: What the level is to be called; what its part is called where empty.
+        check: Told the level's JSON before anything is made of it; raises LevelError where it is refused.
+        most_files: That the level may name, of those that were sent along.
 
     Raises:
         ProblemError: No file is a level, or several are.
-        LevelError: A uri leads out of the upload, or to what was not sent along.
+        LevelError: The level is none or is refused, or a uri leads out of the upload or to what was not sent
+            along.
     """
     level, others = _told_apart(parts)
     folder = upload / LEVEL
@@ -73,13 +85,20 @@ def arranged(upload: Path, parts: Sequence[Part], name: str) -> ReadyLevel:
     (upload / level.place).rename(path)
     # All that a message says of the level's place is the level's name.
     with shown_as_name(path):
-        _place(upload, path, others)
+        root = _opened(path, level.media_type)
+        if check is not None:
+            check(root)
+        _place(upload, path, others, _named(root), most_files)
     return ReadyLevel(path, level.media_type)
 
 
 @contextmanager
 def shown_as_name(path: Path) -> Iterator[None]:
-    """In the block, what is said of a level's errors names its file, and no folder of this machine."""
+    """In the block, what is said of a level's errors names its file, and no folder of this machine.
+
+    Raises:
+        LevelError: The block does.
+    """
 
     def plain(text: str) -> str:
         return text.replace(f"{path.parent}{os.sep}", "").replace(str(path.parent), "the upload")
@@ -87,9 +106,12 @@ def shown_as_name(path: Path) -> Iterator[None]:
     try:
         yield
     except LevelError as error:
+        where = plain(error.where)
+        if not where.startswith(path.name):
+            where = f"{path.name}, {where}" if where else path.name
         raise LevelError(
-            plain(error.what), where=plain(error.where), known=plain(error.known), remedy=plain(error.remedy)
-        ) from None
+            plain(error.what), where=where, known=plain(error.known), remedy=plain(error.remedy)
+        ) from error
 
 
 def _told_apart(parts: Sequence[Part]) -> tuple[Part, list[Part]]:
@@ -103,17 +125,34 @@ def _told_apart(parts: Sequence[Part]) -> tuple[Part, list[Part]]:
     return Part(level.place, level.name, media_type), [part for part in parts if part is not level]
 
 
-def _place(upload: Path, path: Path, others: Sequence[Part]) -> None:
-    named = _named(path)
+def _opened(path: Path, media_type: str) -> Entry:
+    source = read_level_file(path)
+    chunk = find_json(source)
+    if media_type == GLB and not chunk.binary:
+        json_follows = source.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{")
+        raise LevelError(
+            "This is no GLB.",
+            where=path.name,
+            known=f"It begins with {source[: len(MAGIC)]!r}, a GLB with {MAGIC!r}.",
+            remedy=f"It looks like JSON: send it as {GLTF}." if json_follows else "Export the level again.",
+        )
+    return parse_json(chunk.text)
+
+
+def _place(
+    upload: Path, path: Path, others: Sequence[Part], named: dict[Path, bool], most_files: int
+) -> None:
     by_name = {part.name.replace("\\", "/"): part for part in others}
     by_last = {name.rpartition("/")[2]: part for name, part in by_name.items()}
-    missing = []
+    missing: list[str] = []
+    meant: dict[Path, Part] = {}
     for relative, needed in named.items():
         part = by_name.get(relative.as_posix()) or by_last.get(relative.name)
         if part is not None:
-            _link(upload / part.place, path.parent / relative)
+            meant[relative] = part
         elif needed:
             missing.append(relative.as_posix())
+    _refuse_many(meant, most_files)
     if missing:
         more = f" and {len(missing) - MOST_NAMED} more" if len(missing) > MOST_NAMED else ""
         raise LevelError(
@@ -122,11 +161,23 @@ def _place(upload: Path, path: Path, others: Sequence[Part]) -> None:
             known=f"It names {', '.join(missing[:MOST_NAMED])}{more}.",
             remedy="Send the level and its files as multipart/form-data, or export it as a .glb.",
         )
+    for relative, part in meant.items():
+        _link(upload / part.place, path.parent / relative)
 
 
-def _named(path: Path) -> dict[Path, bool]:
+def _refuse_many(meant: dict[Path, Part], most: int) -> None:
+    """Few bytes name many paths, each of which would be made on disk."""
+    folders = {folder for relative in meant for folder in relative.parents}
+    for count, what in ((len(meant), "files"), (len(folders) - 1, "folders")):
+        if count > most:
+            raise LevelError(
+                f"This level names {count:,} {what}; the service takes {most:,}.",
+                remedy="Name each file once, in few folders, or export the level as a .glb.",
+            )
+
+
+def _named(root: Entry) -> dict[Path, bool]:
     """The paths that the level's uris stand for, and whether the level cannot be read without."""
-    root = parse_json(find_json(read_level_file(path)).text)
     found: dict[Path, bool] = {}
     for table, needed in (("buffers", True), ("images", False)):
         for index, entry in enumerate(root.items(table)):

@@ -80,22 +80,30 @@ def serve(settings: Settings, announce: Callable[[str], None], entries: Entries 
     Raises:
         ServeError: It cannot listen there, or must not.
         JobStoreError: Its folder cannot be used.
+        Exception: Whatever else keeps it from starting or ending, which is a bug.
     """
     check(settings)
+    # Ctrl-C is how it is told to stop, however early.
+    with suppress(KeyboardInterrupt):
+        _serve(settings, announce, entries)
+
+
+def _serve(settings: Settings, announce: Callable[[str], None], entries: Entries | None) -> None:
     app = create_app(settings, entries)
     # What goes wrong with a request is logged by our own code, with the request's id.
     logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
     with _listening(settings) as listener:
         server = _Server(configuration(app, settings), lambda: announce(url_of(settings.host, listener)))
+        ended: SystemExit | None = None
         try:
-            # Ctrl-C is how it is told to stop.
             with suppress(KeyboardInterrupt):
                 server.run(sockets=[listener])
-        except SystemExit:
-            failure = getattr(app.state, "failure", None)
-            if failure is None:
-                raise
-            raise failure from None
+        except SystemExit as error:
+            ended = error
+        # It says nothing of what its application raised, neither when it starts nor when it ends.
+        failure = getattr(app.state, "failure", None) or ended
+        if failure is not None:
+            raise failure
 
 
 def configuration(app: FastAPI, settings: Settings) -> uvicorn.Config:

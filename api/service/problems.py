@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import json
-from collections.abc import Mapping, Sequence
+import re
+import sqlite3
+from collections.abc import Mapping
 from typing import Any
 
-from fastapi import Request, Response
-from fastapi.exceptions import RequestValidationError
+from fastapi import Response
 from starlette.exceptions import HTTPException
 
 from api.wording import shortened
@@ -16,7 +18,6 @@ from scenes.errors import GnomonError
 JSON, MEDIA_TYPE = "application/json", "application/problem+json"
 TYPE_PREFIX = "urn:gnomon:problem:"
 LONGEST = 2000
-MOST_MISTAKES = 5
 
 # Kind -> status and title.
 KINDS: dict[str, tuple[int, str]] = {
@@ -28,6 +29,7 @@ KINDS: dict[str, tuple[int, str]] = {
     "slow-client": (408, "The request took too long to arrive"),
     "not-done": (409, "The job is not done"),
     "already-ended": (409, "The job has ended"),
+    "gone": (410, "The files of the job are gone"),
     "too-large": (413, "The request is too large"),
     "bad-media-type": (415, "Bodies of this type are not read"),
     "foreign-host": (421, "This service is not called so"),
@@ -40,7 +42,8 @@ KINDS: dict[str, tuple[int, str]] = {
     "too-long": (504, "The level took too long"),
     "storage": (507, "Nothing more can be stored"),
 }
-_OF_STATUS = {404: "not-found", 405: "bad-method", 413: "too-large", 415: "bad-media-type"}
+# What the command line calls by an option is a query parameter here.
+_OPTION = re.compile(r"--(scene|light|camera|technique|policy|mobility|resolution|rounds)\b")
 
 Json = dict[str, Any]
 
@@ -89,7 +92,34 @@ def of_error(error: GnomonError, kind: str = "bad-level") -> ProblemError:
     # Where the service's own files lie is nobody's business.
     shown = error.where and kind == "bad-level"
     detail = f"{error.where}: {error.what}" if shown else error.what
-    return ProblemError(kind, detail, known=error.known, remedy=error.remedy)
+    remedy = _OPTION.sub(r"the query parameter \1", error.remedy) if kind == "bad-level" else error.remedy
+    return ProblemError(kind, detail, known=error.known, remedy=remedy)
+
+
+def no_room() -> ProblemError:
+    """What is said where the disk is full."""
+    return ProblemError(
+        "storage", "The disk of the service is full.", remedy="Free some space, or ask who runs it."
+    )
+
+
+def is_full(error: BaseException | None) -> bool:
+    """Whether a full disk is what has caused an error."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            return True
+        error = error.__cause__
+    return False
+
+
+def unwritten(error: sqlite3.Error) -> ProblemError:
+    """What is said where the queue of jobs cannot be written or read."""
+    return ProblemError(
+        "storage",
+        "The queue of jobs cannot be written.",
+        known=f"SQLite says: {error}.",
+        remedy="Free some space, or ask who runs the service.",
+    )
 
 
 def bytes_of(values: Any) -> bytes:
@@ -100,42 +130,3 @@ def bytes_of(values: Any) -> bytes:
 def response_of(problem: ProblemError) -> Response:
     """What is sent."""
     return Response(bytes_of(problem.record()), problem.status_code, problem.headers, MEDIA_TYPE)
-
-
-async def on_http_error(request: Request, error: Exception) -> Response:
-    """The answer to what our own code or the framework refuses."""
-    if isinstance(error, ProblemError):
-        return response_of(error)
-    assert isinstance(error, HTTPException)
-    kind = _OF_STATUS.get(error.status_code, "bad-request" if error.status_code < 500 else "internal")
-    details = {
-        "not-found": f"There is no {shortened(request.url.path, 200)} here; /openapi.json lists what is.",
-        "bad-method": f"{request.method} cannot be done here.",
-    }
-    detail = details.get(kind) or f"{str(error.detail).rstrip('.')}."
-    return response_of(ProblemError(kind, detail, headers=error.headers))
-
-
-async def on_invalid(request: Request, error: Exception) -> Response:
-    """The answer to values that are not what /openapi.json says."""
-    assert isinstance(error, RequestValidationError)
-    mistakes: Sequence[Any] = error.errors()
-    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if kind != JSON and any(one["loc"] == ("body",) for one in mistakes):
-        known = f"This came as {shortened(kind, 100)}." if kind else "The request has no Content-Type."
-        return response_of(ProblemError("bad-media-type", f"Questions come as {JSON}.", known=known))
-    if any(one["type"] == "json_invalid" for one in mistakes):
-        known = str(mistakes[0].get("ctx", {}).get("error", ""))
-        return response_of(ProblemError("bad-request", "The body is not valid JSON.", known=known))
-    words = [_words(one) for one in mistakes[:MOST_MISTAKES]]
-    more = len(mistakes) - len(words)
-    known = f"There are {more} more such mistakes." if more > 0 else ""
-    problem = ProblemError(
-        "bad-value", "; ".join(words) + ".", known=known, remedy="/openapi.json says what is taken."
-    )
-    return response_of(problem)
-
-
-def _words(mistake: Any) -> str:
-    place = ".".join(str(part) for part in mistake["loc"][1:]) or "The body"
-    return shortened(f"{place}: {str(mistake['msg']).rstrip('.')}", 300)

@@ -7,13 +7,14 @@ import logging
 from collections import Counter
 from typing import Any
 
-from api.service.child_process import out_of_memory
+from api.service.child_process import TAKEN, out_of_memory
 from api.service.problems import KINDS, ProblemError
 from api.service.settings import Limits, Settings
 from api.service.worker import Entry, Loss, LostWorkerError, Worker
 
 START_S = 120.0
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.5, 30.0
+MOST_TRIES = 2
 MOST_ANSWERS = 500
 """After which a process makes room for a new one, in case that a library loses memory."""
 
@@ -75,42 +76,61 @@ class ReadingPool:
     async def ask(self, request: Json) -> Json:
         """What a process says to it.
 
+        Cancelled, it ends the process.
+
         Raises:
             ProblemError: The level is bad, or took its process along; all are busy, or cannot work.
         """
         if self._unfit is not None:
             raise self._unfit
-        worker, answers = await self._taken()
-        worker.tell(request)
-        try:
-            answer = await worker.heard(self._limits.reading_s)
-        except LostWorkerError as error:
-            self.lost[error.loss] += 1
-            log.warning("a reading process was lost: %s", error.words)
-            raise _lost(error, self._limits) from None
-        finally:
-            self._return(worker, answers + 1)
+        for _ in range(MOST_TRIES):
+            worker, answers = await self._taken()
+            answer = await self._answer(worker, answers, request)
+            if answer is not None:
+                break
+        else:
+            raise _busy("The processes that read levels die before they begin.")
         if answer["kind"] == "problem":
             raise _problem(answer)
         return answer
+
+    async def _answer(self, worker: Worker, answers: int, request: Json) -> Json | None:
+        """What a process says to a request; None if it died before it began with it."""
+        begun = False
+        worker.tell(request)
+        try:
+            begun = (await worker.heard(self._limits.reading_s))["kind"] == TAKEN
+            return await worker.heard(self._limits.reading_s)
+        except LostWorkerError as error:
+            self.lost[error.loss] += 1
+            log.warning("a reading process was lost: %s", error.words)
+            if not begun and error.loss is Loss.CRASH:
+                return None
+            raise _lost(error, self._limits) from None
+        except asyncio.CancelledError:
+            # Its answer would be taken for that to the next request.
+            worker.end()
+            raise
+        finally:
+            self._return(worker, answers + 1)
 
     @property
     def _limits(self) -> Limits:
         return self._settings.limits
 
     async def _taken(self) -> tuple[Worker, int]:
-        busy = ProblemError(
-            "busy",
-            "All processes that read levels are busy.",
-            remedy="Try again.",
-            headers={"Retry-After": "5"},
-        )
+        busy = _busy("All processes that read levels are busy.")
         if self._waiting >= self._limits.uploads:
             raise busy
         self._waiting += 1
         try:
             async with asyncio.timeout(self._limits.waiting_s):
                 taken = await self._free.get()
+                while taken is not None and not taken[0].alive:
+                    # It was killed while it had nothing to do.
+                    self.lost[Loss.CRASH] += 1
+                    self._return(*taken)
+                    taken = await self._free.get()
         except TimeoutError:
             raise busy from None
         finally:
@@ -155,6 +175,10 @@ class ReadingPool:
                 return
             await asyncio.sleep(pause_s)
             pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
+
+
+def _busy(words: str) -> ProblemError:
+    return ProblemError("busy", words, remedy="Try again.", headers={"Retry-After": "5"})
 
 
 def _problem(message: Json) -> ProblemError:

@@ -13,10 +13,11 @@ from api.choosing import chosen_cameras, chosen_lights, require_triangles
 from api.predicting import Predicted, Wish, annotated, level_record, predicted
 from api.service.asked import LevelOptions
 from api.service.child_process import Say, Work, work_through
+from api.service.level_claims import check_names, check_size, refuse_more
 from api.service.level_folder import Part, ReadyLevel, arranged, shown_as_name
 from api.service.problems import ProblemError
 from models.artifact import Artifact, load
-from scenes.errors import LevelError
+from scenes.entry import Entry
 from scenes.formats.registry import format_of, read_level
 from scenes.level import Level
 from scenes.level_file import read_level_file
@@ -24,7 +25,7 @@ from scenes.scene import Mobility
 from selector.policy import policy
 
 ANSWER, ANNOTATED = "answer.json", "annotated"
-MOST_TRIANGLES, MOST_LIGHTS = "triangles", "lights"
+MOST_TRIANGLES, MOST_LIGHTS, MOST_FILES = "triangles", "lights", "parts"
 
 Json = dict[str, Any]
 
@@ -42,9 +43,21 @@ def _reader(model: Path) -> Work:
         upload = Path(request["folder"])
         options = LevelOptions.model_validate(request["options"])
         parts = [Part(**part) for part in request["parts"]]
-        ready = arranged(upload, parts, options.name)
+        limits = request["limits"]
+
+        def check(root: Entry) -> None:
+            check_names(root)
+            check_size(
+                root,
+                options.scene,
+                some_lights=bool(options.light),
+                lights=limits[MOST_LIGHTS],
+                triangles=limits[MOST_TRIANGLES],
+            )
+
+        ready = arranged(upload, parts, options.name, check, limits[MOST_FILES])
         with shown_as_name(ready.path):
-            return _DOES[request["task"]](artifact, upload, ready, options, request["limits"])
+            return _DOES[request["task"]](artifact, upload, ready, options, limits)
 
     return work
 
@@ -94,12 +107,7 @@ def _read(ready: ReadyLevel, options: LevelOptions, limits: Json) -> Level:
         (level.scene.triangle_count, MOST_TRIANGLES, "Split the level, or simplify its meshes."),
         (wanted, MOST_LIGHTS, "Ask about some of them, with light=NAME."),
     ):
-        if count > limits[what]:
-            raise LevelError(
-                f"This level has {count:,} {what}; the service takes {limits[what]:,}.",
-                where=ready.path.name,
-                remedy=remedy,
-            )
+        refuse_more(count, what, limits[what], remedy, ready.path.name)
     return level
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import errno
 import secrets
 import shutil
 from collections.abc import AsyncIterator
@@ -18,8 +17,9 @@ from starlette.requests import Request
 from api.service.level_folder import PARTS, Part
 from api.service.level_names import SUFFIXES
 from api.service.multipart_files import MultipartFiles
-from api.service.problems import ProblemError
+from api.service.problems import ProblemError, is_full, no_room
 from api.service.settings import Limits
+from api.service.state_folder import UPLOAD_NAME, remove_folders
 from api.wording import shortened
 
 MULTIPART = "multipart/form-data"
@@ -47,7 +47,7 @@ class Upload:
             "folder": str(self.folder),
             "parts": [asdict(part) for part in self.parts],
             "options": options,
-            "limits": {"triangles": limits.triangles, "lights": limits.lights},
+            "limits": {"triangles": limits.triangles, "lights": limits.lights, "parts": limits.parts},
         }
 
 
@@ -55,15 +55,19 @@ class Reception:
     """Takes uploads, a few at a time.
 
     Args:
-        folder: Where they lie while they are worked on; what an earlier service left there is removed.
+        folder: Where they lie while they are worked on; uploads that an earlier service left are removed.
         limits: Of the service.
+
+    Raises:
+        OSError: The folder cannot be made or read.
     """
 
     def __init__(self, folder: Path, limits: Limits) -> None:
         self._folder, self._limits = folder, limits
         self._taken = 0
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir(parents=True, mode=0o700)
+        self._cleaning: set[asyncio.Task[None]] = set()
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        remove_folders(folder, UPLOAD_NAME)
 
     @asynccontextmanager
     async def upload(self, request: Request) -> AsyncIterator[Upload]:
@@ -92,12 +96,24 @@ class Reception:
         try:
             yield await self._received(request, folder, kind)
         except OSError as error:
-            if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            if not is_full(error):
                 raise
             raise no_room() from None
         finally:
+            # The answer does not wait for it; the next upload does, where there are too many.
+            task = asyncio.get_running_loop().create_task(self._removed(folder))
+            self._cleaning.add(task)
+            task.add_done_callback(self._cleaning.discard)
+
+    async def stop(self) -> None:
+        """Ends when nothing is being removed any more."""
+        await asyncio.gather(*self._cleaning, return_exceptions=True)
+
+    async def _removed(self, folder: Path) -> None:
+        try:
+            await run_in_threadpool(shutil.rmtree, folder, ignore_errors=True)
+        finally:
             self._taken -= 1
-            await asyncio.shield(run_in_threadpool(shutil.rmtree, folder, ignore_errors=True))
 
     async def _received(self, request: Request, folder: Path, kind: str) -> Upload:
         (folder / PARTS).mkdir(parents=True, mode=0o700)
@@ -124,10 +140,3 @@ class Reception:
 def media_type(request: Request) -> str:
     """What a body is said to be, in lower case and without parameters."""
     return request.headers.get("content-type", "").partition(";")[0].strip().lower()
-
-
-def no_room() -> ProblemError:
-    """What is said where the disk is full."""
-    return ProblemError(
-        "storage", "The disk of the service is full.", remedy="Free some space, or ask who runs it."
-    )

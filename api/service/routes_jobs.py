@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Request, Response
 from fastapi.responses import FileResponse, StreamingResponse
+from starlette.types import Receive, Scope, Send
 
 from api.service.asked import JobOptions
 from api.service.describing import file_response, level_body, problems
@@ -122,9 +123,8 @@ async def follow_job(
     """The record of a job whenever it changes, until the job has ended."""
     service = service_of(request)
     service.desk.row(job_id)
-    if service.desk.listeners >= service.settings.limits.streams:
-        raise ProblemError("busy", "Too many clients follow jobs.", headers={"Retry-After": "5"})
-    return StreamingResponse(_events(service, job_id, last_event_id), media_type=EVENTS)
+    release = service.desk.follow()
+    return _Followed(_events(service, job_id, last_event_id), release)
 
 
 @router.get(
@@ -132,12 +132,12 @@ async def follow_job(
     operation_id="get_job_result",
     tags=["jobs"],
     response_model=MeasuredLevel,
-    responses=problems(404, 409),
+    responses=problems(404, 409, 410),
 )
 async def get_job_result(request: Request, job_id: str) -> Response:
     """What a job has measured, as `gnomon annotate --json` prints it."""
     _, path = _result(request, job_id, RESULT)
-    return FileResponse(path, media_type="application/json")
+    return _WholeFile(path, "application/json")
 
 
 @router.get(
@@ -145,13 +145,16 @@ async def get_job_result(request: Request, job_id: str) -> Response:
     operation_id="get_annotated_level",
     tags=["jobs"],
     response_class=Response,
-    responses={200: file_response("The level with measured annotations", GLB, GLTF), **problems(404, 409)},
+    responses={
+        200: file_response("The level with measured annotations", GLB, GLTF),
+        **problems(404, 409, 410),
+    },
 )
 async def get_annotated_level(request: Request, job_id: str) -> Response:
     """The level with what was measured written into it."""
     row, path = _result(request, job_id, ANNOTATED)
     headers = {"Content-Disposition": attachment(annotated_name(row.level))}
-    return FileResponse(path, headers=headers, media_type=row.media_type)
+    return _WholeFile(path, row.media_type, headers)
 
 
 @router.get(
@@ -161,13 +164,13 @@ async def get_annotated_level(request: Request, job_id: str) -> Response:
     response_class=Response,
     responses={
         200: {"description": "The page", "content": {"text/html": {"schema": {"type": "string"}}}},
-        **problems(404, 409),
+        **problems(404, 409, 410),
     },
 )
 async def get_job_report(request: Request, job_id: str) -> Response:
     """The page that shows all candidates side by side, as `gnomon compare` writes it."""
     _, path = _result(request, job_id, REPORT)
-    return FileResponse(path, headers=REPORT_HEADERS, media_type="text/html")
+    return _WholeFile(path, "text/html", REPORT_HEADERS)
 
 
 def _level_options(options: dict[str, object]) -> dict[str, object]:
@@ -183,6 +186,31 @@ def _result(request: Request, job_id: str, name: str) -> tuple[JobRow, Path]:
             "not-done", "This job has no results.", known=f"It is {row.state}.", headers=headers
         )
     return row, desk.result(job_id, name)
+
+
+class _Followed(StreamingResponse):
+    """Counts as a follower from the moment that it is made until it has ended, however it ends."""
+
+    def __init__(self, content: AsyncIterator[bytes], release: Callable[[], None]) -> None:
+        super().__init__(content, media_type=EVENTS)
+        self._release = release
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            self._release()
+
+
+class _WholeFile(FileResponse):
+    """A file from its beginning to its end, whatever part of it is asked for."""
+
+    def __init__(self, path: Path, media_type: str, headers: dict[str, str] | None = None) -> None:
+        super().__init__(path, headers={**(headers or {}), "Accept-Ranges": "none"}, media_type=media_type)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        headers = [one for one in scope["headers"] if one[0].lower() not in (b"range", b"if-range")]
+        await super().__call__({**scope, "headers": headers}, receive, send)
 
 
 async def _events(service: Service, job_id: str, last_id: str) -> AsyncIterator[bytes]:

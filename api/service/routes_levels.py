@@ -12,6 +12,7 @@ from api.service.describing import file_response, level_body, problems
 from api.service.level_names import GLB, GLTF, annotated_name, attachment
 from api.service.records import PredictedLevel
 from api.service.state import service_of
+from api.service.wanted import while_wanted
 
 router = APIRouter()
 
@@ -31,7 +32,7 @@ async def predict_level(request: Request, options: Annotated[LevelOptions, Query
     service = service_of(request)
     async with service.reception.upload(request) as upload:
         asked = upload.request("predict", options.model_dump(), service.settings.limits)
-        answer = await service.pool.ask(asked)
+        answer = await while_wanted(request, service.pool.ask(asked))
         data = await run_in_threadpool((upload.folder / answer["file"]).read_bytes)
     return Response(data, media_type="application/json")
 
@@ -49,7 +50,7 @@ async def annotate_level(request: Request, options: Annotated[LevelOptions, Quer
     service = service_of(request)
     async with service.reception.upload(request) as upload:
         asked = upload.request("annotate", options.model_dump(), service.settings.limits)
-        answer = await service.pool.ask(asked)
+        answer = await while_wanted(request, service.pool.ask(asked))
         data = await run_in_threadpool((upload.folder / answer["file"]).read_bytes)
     headers = {"Content-Disposition": attachment(annotated_name(answer["name"]))}
     return Response(data, headers=headers, media_type=answer["media_type"])

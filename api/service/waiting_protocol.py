@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
+from http import HTTPStatus
 from typing import Any
 
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from api.service.guard import SECURITY_HEADERS
 from api.service.problems import MEDIA_TYPE, ProblemError, bytes_of
 from api.service.settings import Limits
 
@@ -70,11 +72,16 @@ class WaitingProtocol(H11Protocol):
         if self.transport.is_closing():
             return
         body = bytes_of(problem.record())
-        headers = [("content-type", MEDIA_TYPE), ("content-length", str(len(body))), ("connection", "close")]
+        headers = {
+            **SECURITY_HEADERS,
+            "Content-Type": MEDIA_TYPE,
+            "Content-Length": str(len(body)),
+            "Connection": "close",
+            **(problem.headers or {}),
+        }
+        status = HTTPStatus(problem.status_code)
         events: list[Any] = [
-            h11.Response(
-                status_code=problem.status_code, headers=[*headers, *(problem.headers or {}).items()]
-            ),
+            h11.Response(status_code=status, headers=list(headers.items()), reason=status.phrase.encode()),
             h11.Data(data=body),
             h11.EndOfMessage(),
         ]

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from enum import StrEnum
-from multiprocessing import get_context
+from multiprocessing import get_context, resource_tracker
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -59,7 +59,7 @@ class Worker:
         context = get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=entry, args=(theirs, os.getpid(), *arguments), daemon=True)
-        with _single_threaded():
+        with _single_threaded(), _deaf_to_ctrl_c():
             self._process.start()
         theirs.close()
         self._ended = False
@@ -166,6 +166,21 @@ def _ending(code: int) -> str:
     if code < 0:
         return f"its process was ended by {signal.Signals(-code).name}"
     return f"its process ended with code {code}"
+
+
+@contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """In the block, new processes do not hear Ctrl-C: until they have a group of their own, they are in ours.
+
+    A mask, since a thread may set its own, and since what is blocked stays so in the new process.
+    """
+    # It would lift the mask when it starts.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

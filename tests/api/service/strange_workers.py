@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -71,6 +72,8 @@ def _misbehave(word: str) -> None:
         # Each keeps the limit on addresses that it inherits; both together are too much.
         for one in [subprocess.Popen([sys.executable, "-c", code]) for _ in range(2)]:
             one.wait()
+    if word == "full":
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "a secret place")
     if word == "bug":
         raise ZeroDivisionError(f"in {__file__}")
 
@@ -84,8 +87,9 @@ def _measure(request: Json, say: Say) -> Json:
     if word == "once" and not (folder / "tried").exists():
         (folder / "tried").touch()
         os.kill(os.getpid(), signal.SIGKILL)
-    if word == "stop":
-        say({"kind": "progress", "done": 1, "total": 2, "what": "forever"})
+    if word in ("stop", "babble"):
+        what = "forever" if word == "stop" else "x" * 1_000_000
+        say({"kind": "progress", "done": 1, "total": 2, "what": what})
         time.sleep(3600)
     _misbehave(word)
     steps = 5

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import sqlite3
 import time
@@ -169,6 +170,71 @@ def test_events_are_taken_up_where_they_were_left(desk: Running) -> None:
     assert rest[0][0] != name
     with desk.client.stream("GET", job["links"]["events"], headers={"Last-Event-ID": rest[0][0]}) as stream:
         assert [data["state"] for _, _, data in events(stream.iter_lines())] == ["cancelled"]
+
+
+def test_followers_count_before_they_are_told_anything(desk: Running) -> None:
+    job = desk.job(b"stop")
+    running_job(desk, job)
+    assert desk.parts.desk.followers == 0
+    ends = [desk.parts.desk.follow() for _ in range(LIMITS.streams)]
+    response = desk.client.get(job["links"]["events"])
+    problem(response, 503, "busy")
+    for end in ends:
+        end()
+    with desk.client.stream("GET", job["links"]["events"]) as stream:
+        next(events(stream.iter_lines()))
+        assert desk.parts.desk.followers == 1
+    until = time.monotonic() + PATIENCE_S
+    while desk.parts.desk.followers and time.monotonic() < until:
+        time.sleep(0.02)
+    assert desk.parts.desk.followers == 0
+    desk.client.delete(job["links"]["self"])
+
+
+def test_words_of_progress_are_words(desk: Running) -> None:
+    job = desk.job(b"babble")
+    found = running_job(desk, job)
+    assert 200 < len(found["progress"]["what"]) < 300
+    desk.client.delete(job["links"]["self"])
+
+
+def test_results_that_somebody_removed_are_gone(desk: Running) -> None:
+    job = desk.ended(desk.job(b"work")["id"])
+    shutil.rmtree(desk.parts.settings.state / "jobs" / job["id"])
+    for part in ("result", "annotated", "report"):
+        found = problem(desk.client.get(job["links"][part]), 410, "gone")
+        assert found["remedy"] == "Send the level again."
+
+
+def test_a_job_whose_level_somebody_removed_fails(desk: Running) -> None:
+    first, waits = desk.job(b"stop"), desk.job(b"work")
+    running_job(desk, first)
+    shutil.rmtree(desk.parts.settings.state / "jobs" / waits["id"])
+    desk.client.delete(first["links"]["self"])
+    found = desk.ended(waits["id"])
+    assert found["state"] == "failed"
+    assert found["problem"]["type"].endswith("gone")
+    assert "bug" not in found["problem"]["detail"]
+
+
+@pytest.mark.parametrize("wanted", ["bytes=0-0", "bytes=9-2", "bytes=99999-", "lines=1-2", "bytes=0-0,0-0"])
+def test_results_are_answered_whole(desk: Running, wanted: str) -> None:
+    job = desk.ended(desk.job(b"work")["id"])
+    response = desk.client.get(job["links"]["result"], headers={"Range": wanted, "If-Range": '"x"'})
+    assert response.status_code == 200
+    assert response.headers["accept-ranges"] == "none"
+    assert response.json() == {"level": "level.glb"}
+
+
+def test_heads_of_results_are_answered(desk: Running) -> None:
+    job = desk.ended(desk.job(b"work")["id"])
+    for path in (*job["links"].values(), "/", "/healthz", "/v1/policies"):
+        response = desk.client.head(path)
+        assert response.status_code == (405 if path.endswith("/events") else 200), path
+        assert response.content == b""
+    assert int(desk.client.head(job["links"]["result"]).headers["content-length"]) > 0
+    problem_of_none = desk.client.head("/v1/jobs/none/result")
+    assert problem_of_none.status_code == 404
 
 
 def test_whoever_stops_listening_is_not_waited_for(desk: Running) -> None:

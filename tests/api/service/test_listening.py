@@ -1,16 +1,19 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
 import socket
+import subprocess
+import time
 from pathlib import Path
 
 import httpx
 import pytest
 
-from api.service.listening import ServeError, _listening, check, token_of, url_of
+from api.service.listening import ServeError, _listening, check, serve, token_of, url_of
 from api.service.settings import Settings, default_state
-from tests.api.command import gnomon, running, started, wait_for_line
+from tests.api.command import ROOT, environment, gnomon, program, running, started, wait_for_line
 
 TOKEN = "0123456789abcdef"  # noqa: S105  of a test
 
@@ -112,3 +115,30 @@ def test_it_serves_until_it_is_told_to_stop(tmp_path: Path, model: Path) -> None
         assert "Traceback" not in other.stderr
         process.send_signal(signal.SIGINT)
         assert process.wait(60) == 0
+
+
+@pytest.mark.parametrize("wait_s", [0.0, 0.2, 0.6, 1.2])
+def test_ctrl_c_in_a_terminal_is_quiet_however_early(tmp_path: Path, model: Path, wait_s: float) -> None:
+    """It reaches the whole group: the processes that read, too, while they still start."""
+    command = program("serve", "--port", 0, "--state", tmp_path / "state", "--model", model, "--readers", 2)
+    with subprocess.Popen(
+        command, cwd=ROOT, env=environment(), stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        try:
+            wait_for_line(process, "Gnomon is at")
+            time.sleep(wait_s)
+            os.killpg(process.pid, signal.SIGINT)
+            _, said = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert process.returncode == 0, said
+    assert "Traceback" not in said
+    assert "interrupted" not in said
+
+
+def test_ctrl_c_before_it_listens_is_how_it_ends_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("api.service.listening.create_app", interrupted)
+    serve(Settings(state=tmp_path, port=0), lambda _: None)

@@ -26,6 +26,13 @@ def strange(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
         yield up
 
 
+@pytest.fixture(scope="module")
+def patient(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    limits = replace(LIMITS, reading_s=10 * PATIENCE_S, waiting_s=2 * PATIENCE_S)
+    with running(Settings(state=tmp_path_factory.mktemp("state"), readers=1, limits=limits), STRANGE) as up:
+        yield up
+
+
 def reader(strange: Running) -> int:
     """The process that answers."""
     response = strange.level(b"work")
@@ -58,6 +65,17 @@ def test_what_a_level_does_to_a_reader_it_does_to_nobody_else(
     assert psutil.pid_exists(before) == (word == b"eat")
 
 
+def test_a_level_that_nobody_waits_for_frees_its_reader(patient: Running) -> None:
+    # Alone, it would hang for as long as a level may take.
+    with patient.connected() as connection:
+        head = "POST /v1/levels HTTP/1.1\r\nHost: localhost\r\nContent-Type: model/gltf-binary\r\n"
+        connection.sendall(f"{head}Content-Length: 4\r\n\r\nhang".encode())
+        time.sleep(1.0)
+    began = time.monotonic()
+    assert reader(patient)
+    assert time.monotonic() - began < PATIENCE_S
+
+
 def test_a_bug_is_told_without_its_place(strange: Running) -> None:
     found = problem(strange.level(b"bug"), 500, "internal")
     assert "ZeroDivisionError" in found["detail"]
@@ -72,10 +90,23 @@ def test_a_reader_takes_what_it_started_along(strange: Running) -> None:
 
 
 def test_a_reader_that_is_killed_between_two_levels_is_replaced(strange: Running) -> None:
-    os.kill(reader(strange), signal.SIGKILL)
-    # The first level after it may still have been given to the dead one.
-    strange.level(b"work")
-    assert reader(strange)
+    for wait_s in (0.0, 0.5):
+        killed = reader(strange)
+        os.kill(killed, signal.SIGKILL)
+        time.sleep(wait_s)
+        # It is not the fault of the level that comes next.
+        assert reader(strange) != killed
+
+
+def test_a_level_that_never_reached_its_reader_is_read_by_another(strange: Running) -> None:
+    pid = reader(strange)
+    os.kill(pid, signal.SIGSTOP)
+    with ThreadPoolExecutor(1) as threads:
+        asked = threads.submit(strange.level, b"work")
+        time.sleep(0.5)
+        os.kill(pid, signal.SIGKILL)
+        assert asked.result().status_code == 200
+    assert reader(strange) != pid
 
 
 def test_the_service_answers_while_all_readers_hang(strange: Running) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -17,6 +18,7 @@ from tests.api.service.conftest import LIMITS
 from tests.api.service.running_service import (
     GLB,
     GLTF,
+    PATIENCE_S,
     Running,
     assert_is_a_problem,
     features,
@@ -45,6 +47,9 @@ def fuzzed(model: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Run
     with running(Settings(state=state, model=model, readers=1, limits=LIMITS)) as up:
         yield up
         # No file is left, no reader was lost, and none has grown.
+        until = time.monotonic() + PATIENCE_S
+        while list((state / "incoming").iterdir()) and time.monotonic() < until:
+            time.sleep(0.02)
         assert list((state / "incoming").iterdir()) == []
         assert up.parts.pool.lost == {}
         held = [psutil.Process(pid).memory_info().rss for pid in up.parts.pool.pids]

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import json
 import socket
 import time
@@ -8,8 +9,13 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 import pytest
+from starlette.datastructures import Headers
+from starlette.types import Message
 
+from api.service.body_flow import BodyFlow
+from api.service.guard import SECURITY_HEADERS
 from api.service.settings import Limits, Settings
+from tests.api.service.conftest import LIMITS as LIMITS_OF_SERVICE
 from tests.api.service.running_service import PATIENCE_S, Running, assert_is_a_problem, running
 from tests.api.service.test_who_may_ask import STRANGE
 
@@ -137,3 +143,42 @@ def test_web_sockets_are_not_spoken(hurried: Running) -> None:
     upgrade = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
     response = hurried.client.get("/v1/jobs/x/events", headers={**upgrade, "Sec-WebSocket-Key": "eA=="})
     assert response.status_code == 404
+
+
+def test_answers_before_any_request_have_all_their_headers(hurried: Running) -> None:
+    for request_bytes, first in (
+        (b"GET\r\n\r\n", b"HTTP/1.1 400 Bad Request\r\n"),
+        (b"", b"HTTP/1.1 408 Request Timeout\r\n"),
+    ):
+        with hurried.connected() as made:
+            made.sendall(request_bytes)
+            head = all_of(made).partition(b"\r\n\r\n")[0]
+        assert head.startswith(first)
+        for name in SECURITY_HEADERS:
+            assert f"\r\n{name.lower()}: ".encode() in head.lower()
+
+
+def test_a_question_without_a_body_is_not_asked_for_one(service: Running) -> None:
+    start = time.monotonic()
+    with service.connected() as made:
+        made.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10\r\n\r\n")
+        data = all_of(made)
+    assert data.startswith(b"HTTP/1.1 200 OK\r\n")
+    assert time.monotonic() - start < LIMITS_OF_SERVICE.body_idle_s
+
+
+def test_the_rest_of_a_refused_body_is_waited_for_a_moment_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def receive() -> Message:
+        await asyncio.sleep(PATIENCE_S)
+        raise AssertionError("nobody waits so long")
+
+    async def send(_: Message) -> None:
+        raise AssertionError("nothing is sent")
+
+    monkeypatch.setattr("api.service.body_flow.DRAIN_S", 0.05)
+    flow = BodyFlow(receive, send, Limits(), 1000, "")
+    flow.check_length(Headers({"content-length": "10"}))
+    start = time.monotonic()
+    asyncio.run(flow.drain())
+    assert time.monotonic() - start < Limits().body_idle_s / 2
+    assert not flow.finished

@@ -4,10 +4,14 @@ import base64
 import copy
 import gzip
 import json
+import shutil
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -20,6 +24,7 @@ from tests.api.service.conftest import LIMITS
 from tests.api.service.running_service import (
     GLB,
     GLTF,
+    PATIENCE_S,
     Json,
     Running,
     assert_is_a_problem,
@@ -324,8 +329,37 @@ def test_a_level_may_ask_about_only_so_many_lights(model: Path, tmp_path: Path) 
 def test_nothing_of_an_upload_is_left(service: Running, tmp_path: Path) -> None:
     service.level(small_level(tmp_path).read_bytes())
     service.level(b"broken")
-    left = [path.name for path in (service.parts.settings.state / "incoming").iterdir()]
-    assert set(left) <= {NEIGHBOUR, "parts"}
+    # It is removed after the answer.
+    until = time.monotonic() + PATIENCE_S
+    while left(service) and time.monotonic() < until:
+        time.sleep(0.02)
+    assert not left(service)
+
+
+def left(service: Running) -> set[str]:
+    """Uploads that are still there."""
+    return {path.name for path in (service.parts.settings.state / "incoming").iterdir()} - {
+        NEIGHBOUR,
+        "parts",
+    }
+
+
+def test_the_answer_does_not_wait_until_all_is_removed(
+    service: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    may_end = threading.Event()
+    remove = shutil.rmtree
+
+    def slow(*arguments: Any, **options: Any) -> None:
+        assert may_end.wait(PATIENCE_S)
+        remove(*arguments, **options)
+
+    monkeypatch.setattr("api.service.receiving.shutil.rmtree", slow)
+    try:
+        problem(service.level(b"broken"), 422, "bad-level")
+        assert left(service)
+    finally:
+        may_end.set()
 
 
 @pytest.mark.parametrize(
