@@ -83,6 +83,7 @@ bench: setup
 	$(BIN)/python tests/bench/store.py
 	$(BIN)/python tests/bench/benchmarking.py
 	$(BIN)/python tests/bench/service.py
+	$(BIN)/python tests/bench/drift_power.py
 
 flip-agreement: setup
 	$(BIN)/python tests/bench/flip_agreement.py
