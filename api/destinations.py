@@ -78,8 +78,12 @@ def check_in_place(level: Path, source: bytes, level_format: LevelFormat) -> Non
     check_writable(level)
 
 
-def check_writable(path: Path) -> None:
+def check_writable(path: Path, option: str = "-o") -> None:
     """Make sure that a file can be made at `path`, by making one beside it for a moment.
+
+    Args:
+        path: Where the file goes.
+        option: With which the user chose it.
 
     Raises:
         OutputError: The system refuses it.
@@ -101,8 +105,7 @@ def check_writable(path: Path) -> None:
         with tempfile.TemporaryFile(dir=Path(os.path.realpath(path)).parent):
             pass
     except (OSError, ValueError) as error:
-        known = error if isinstance(error, OSError) else OSError(str(error))
-        raise output_error(path, known) from error
+        raise _of_option(path, error, option) from error
 
 
 def check_spares_level(path: Path, level: Path, named: Iterable[Path], option: str) -> None:
@@ -195,14 +198,14 @@ def ready_folder(folder: Path, option: str = "--pictures") -> None:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except (OSError, ValueError) as error:
-        known = error if isinstance(error, OSError) else OSError(str(error))
-        failure = output_error(folder, known)
-        raise OutputError(
-            failure.what,
-            where=failure.where,
-            known=failure.known,
-            remedy=failure.remedy.replace("-o", option),
-        ) from error
+        raise _of_option(folder, error, option) from error
+
+
+def _of_option(path: Path, error: OSError | ValueError, option: str) -> OutputError:
+    """What the system refuses, in the words of the option that named the place."""
+    failure = output_error(path, error if isinstance(error, OSError) else OSError(str(error)))
+    remedy = failure.remedy.replace("-o", option)
+    return OutputError(failure.what, where=failure.where, known=failure.known, remedy=remedy)
 
 
 def _mode(path: Path) -> int:

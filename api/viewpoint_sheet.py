@@ -60,7 +60,7 @@ def write_views(level: Level, path: Path, wanted: Sequence[str] = ()) -> tuple[S
     lights = chosen_lights(level, wanted)
     named = format_of(level.path).companions(read_level_file(level.path), level.path)
     check_spares_level(path, level.path, named, "--views")
-    check_writable(path)
+    check_writable(path, "--views")
     shown = lights if wanted else lights[:: -(-len(lights) // MOST_LIGHTS)]
     seen = seen_lights(level.scene, shown)
     title = f"{level.path.name}: views of {counted(len(shown), 'light')}"

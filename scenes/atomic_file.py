@@ -11,19 +11,19 @@ from pathlib import Path
 from scenes.errors import OutputError
 
 _FREE_SPACE = "Free some space and run the command again."
-_OTHER_PLACE = "Choose a place where you may write."
+_OTHER_PLACE = "Choose a place where you may write, with -o."
 _CAUSES = {
-    errno.ENOENT: ("The folder does not exist.", "Create it, or choose another."),
-    errno.ENOTDIR: ("A part of the path is not a folder.", "Choose another path."),
-    errno.EISDIR: ("This is a folder, not a file.", "Name a file in it."),
+    errno.ENOENT: ("The folder does not exist.", "Create it, or choose another with -o."),
+    errno.ENOTDIR: ("A part of the path is not a folder.", "Choose another path with -o."),
+    errno.EISDIR: ("This is a folder, not a file.", "Name a file in it with -o."),
     errno.EACCES: ("There is no permission to write here.", _OTHER_PLACE),
     errno.EPERM: ("There is no permission to write here.", _OTHER_PLACE),
     errno.EROFS: ("The file system is read-only.", _OTHER_PLACE),
     errno.ENOSPC: ("The disk is full.", _FREE_SPACE),
     errno.EDQUOT: ("Your disk quota is used up.", _FREE_SPACE),
     errno.EFBIG: ("The file is too big for this file system.", _OTHER_PLACE),
-    errno.ENAMETOOLONG: ("The name is too long for this file system.", "Choose a shorter name."),
-    errno.ELOOP: ("The symbolic links of this path run in a circle.", "Choose another path."),
+    errno.ENAMETOOLONG: ("The name is too long for this file system.", "Choose a shorter name with -o."),
+    errno.ELOOP: ("The symbolic links of this path run in a circle.", "Choose another path with -o."),
 }
 
 
@@ -70,7 +70,7 @@ def _existing(target: Path) -> os.stat_result | None:
     if not stat.S_ISREG(status.st_mode):
         # Renaming over /dev/null would replace the device for the whole machine.
         raise OutputError(
-            "This is a device or a pipe, not a file.", where=str(target), remedy="Name a file instead."
+            "This is a device or a pipe, not a file.", where=str(target), remedy="Name a file with -o."
         )
     if not os.access(target, os.W_OK, effective_ids=True):
         # A rename asks the folder alone; whoever made the file read-only meant it.

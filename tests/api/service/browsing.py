@@ -26,6 +26,8 @@ ARGUMENTS = (
     "--disable-sync",
 )
 WAIT_MS = 120_000
+SMALL = ("96", "64")
+"""Pixels that are measured in seconds."""
 # The browser notes by itself that an answer was a refusal or did not come.
 NOTED = "Failed to load resource"
 LISTEN = """addEventListener("securitypolicyviolation", (one) => {
@@ -94,3 +96,16 @@ def visit(context: BrowserContext, url: str, fragment: str = "") -> Visit:
     page.goto(f"{url}/{fragment}")
     page.wait_for_selector("body:not(.starting)")
     return found
+
+
+def open_level(found: Visit, *paths: Path) -> None:
+    found.level(*paths)
+    found.page.wait_for_selector(".lights tbody")
+
+
+def small(found: Visit) -> None:
+    """Asks for few pixels, so that measuring takes seconds."""
+    found.page.select_option("#resolution", "")
+    for name, value in zip(("width", "height"), SMALL, strict=True):
+        found.page.fill(f"#{name}", value)
+    found.page.wait_for_function("() => document.getElementById('level-facts').textContent.includes('96x64')")
