@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
+from api.cli import benchmarking_options as benchmarking
 from api.cli import measuring_options as measuring
 from api.cli import options
 
 RESOLUTION = options.Resolution(640, 512)
-DEFAULT_CORPUS = "quick"
 PURPOSES = ("errors", "times", "both")
 
 
@@ -21,7 +21,7 @@ def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are it
             "--corpus",
             metavar="NAME|PATH",
             help="quick, standard, further or thesis; a level file, or a folder of them. May be given again.",
-            show_default=DEFAULT_CORPUS,
+            show_default=benchmarking.DEFAULT_CORPUS,
         ),
     ] = None,
     purpose: Annotated[
@@ -35,36 +35,10 @@ def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are it
         ),
     ] = "both",
     technique: measuring.Techniques = None,
-    rounds: Annotated[
-        int,
-        typer.Option(
-            "--rounds",
-            metavar="N",
-            parser=options.whole_number(1, 1000),
-            help="How often a candidate is timed at most; less where its rank is clear.",
-        ),
-    ] = 10,
+    rounds: benchmarking.Rounds = 10,
     resolution: options.Size = RESOLUTION,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            "--time-limit",
-            metavar="TIME",
-            parser=options.parse_time,
-            help="Begin no further instance after this, such as 20min or 2h.",
-            show_default="none",
-        ),
-    ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            metavar="N",
-            parser=options.whole_number(1, 256),
-            help="Processes that judge errors side by side; times are always taken alone.",
-            show_default="one a core",
-        ),
-    ] = None,
+    time_limit: benchmarking.TimeLimit = None,
+    workers: benchmarking.Workers = None,
     lights: Annotated[
         int | None,
         typer.Option(
@@ -120,7 +94,7 @@ def benchmark(  # noqa: PLR0913, PLR0917  the options of the command line are it
     from selector.evidence.rows import Purpose, Role  # noqa: PLC0415
 
     request = Request(
-        sources=corpus or (DEFAULT_CORPUS,),
+        sources=corpus or (benchmarking.DEFAULT_CORPUS,),
         purposes=tuple(Purpose) if purpose == "both" else (Purpose(purpose),),
         store=store,
         width=resolution.width,

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
+from api.cli import benchmarking_options as benchmarking
 from api.cli import measuring_options as measuring
 from api.cli import options
 
-DEFAULT_CORPUS = "quick"
 BASELINE_RESOLUTION = options.Resolution(640, 512)
 MAX_AGE_S = 90 * 86_400.0
 
@@ -64,25 +64,8 @@ def rebenchmark(  # noqa: PLR0913, PLR0917  the options of the command line are 
             show_default="90d",
         ),
     ] = None,
-    rounds: Annotated[
-        int,
-        typer.Option(
-            "--rounds",
-            metavar="N",
-            parser=options.whole_number(1, 1000),
-            help="How often a candidate is timed at most; less where its rank is clear.",
-        ),
-    ] = 10,
-    time_limit: Annotated[
-        float | None,
-        typer.Option(
-            "--time-limit",
-            metavar="TIME",
-            parser=options.parse_time,
-            help="Begin no further instance after this, such as 2h; the next job goes on.",
-            show_default="none",
-        ),
-    ] = None,
+    rounds: benchmarking.Rounds = 10,
+    time_limit: benchmarking.TimeLimit = None,
     technique: measuring.Techniques = None,
     corpus: Annotated[
         list[str] | None,
@@ -90,7 +73,7 @@ def rebenchmark(  # noqa: PLR0913, PLR0917  the options of the command line are 
             "--corpus",
             metavar="NAME|PATH",
             help="What a first run measures, as in `gnomon benchmark`. May be given again.",
-            show_default=DEFAULT_CORPUS,
+            show_default=benchmarking.DEFAULT_CORPUS,
         ),
     ] = None,
     resolution: Annotated[
@@ -102,16 +85,7 @@ def rebenchmark(  # noqa: PLR0913, PLR0917  the options of the command line are 
             help="Of the views of a first run; later ones keep what they find.",
         ),
     ] = BASELINE_RESOLUTION,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            metavar="N",
-            parser=options.whole_number(1, 256),
-            help="Processes that judge errors side by side; times are always taken alone.",
-            show_default="one a core",
-        ),
-    ] = None,
+    workers: benchmarking.Workers = None,
     device: options.Device = None,
     every: Annotated[
         float | None,
@@ -158,7 +132,7 @@ def rebenchmark(  # noqa: PLR0913, PLR0917  the options of the command line are 
         workers=workers,
         device=device,
         techniques=tuple(technique or ()),
-        corpus=tuple(corpus or (DEFAULT_CORPUS,)),
+        corpus=tuple(corpus or (benchmarking.DEFAULT_CORPUS,)),
         resolution=(resolution.width, resolution.height),
         learn=train,
     )
