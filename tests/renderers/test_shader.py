@@ -40,6 +40,9 @@ def stage_of(text: str) -> int:
     """Which stage a whole shader is for."""
     if "local_size_x" in text:
         return int(GL.GL_COMPUTE_SHADER)
+    # Mesa's cache says yes to what it has compiled once, whatever the stage: a wrong one fails now and then.
+    if "EmitVertex" in text:
+        return int(GL.GL_GEOMETRY_SHADER)
     return int(GL.GL_VERTEX_SHADER if "gl_Position" in text else GL.GL_FRAGMENT_SHADER)
 
 
