@@ -229,8 +229,11 @@ USD_BOUNDS = 1e-6
 USD_ROUND = 0.02
 """Relative: volume of a ball of 32 by 16 sides; 0.0160 less measured."""
 
-CORPUS_BUDGET = 2.0
-"""Factor: a place of the corpus has half to twice the triangles that its spec asks for."""
+CORPUS_BUDGET = 2.1
+"""Factor: a place of the corpus has about half to twice the triangles that its spec asks for.
+
+A cathedral of the fewest, 4,000, has 8,232; of 400 drawn, none had more in proportion.
+"""
 
 CORPUS_LARGEST_M = 512.0
 """Metres from the origin: float32 holds every multiple of 2^-14 m there; a harbour reaches 110."""
