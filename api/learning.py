@@ -23,6 +23,7 @@ from scenes.scene import View
 from selector.evidence.importing import bring_in
 from selector.evidence.rows import Role
 from selector.evidence.store import Store
+from selector.learning.dataset import EvidenceError
 from selector.learning.featuring import OnInstance
 from selector.learning.testing import tested
 from selector.learning.training import Learning, judged, learning, trained, verdict_record
@@ -54,7 +55,17 @@ def learnt(source: Store, device: str | None, levels: Path | None, on_instance: 
 
 
 def test_data(source: Store, device: str | None, levels: Path | None, on_instance: OnInstance) -> Learning:
-    """What no model may learn from, for one device's times."""
+    """What no model may learn from, for one device's times.
+
+    Raises:
+        EvidenceError: There is none, or too little.
+    """
+    if not any(True for _ in source.instances(role=Role.TEST)):
+        raise EvidenceError(
+            "This evidence holds no test data.",
+            known="All of it is for learning, and a model is not asked about what it may have learnt.",
+            remedy="Measure some levels apart: `gnomon benchmark --corpus LEVELS --test`.",
+        )
     return learning(source, device, levels, on_instance, Role.TEST)
 
 

@@ -134,20 +134,10 @@ def costs_of(model: SelectorModel, held: Examples, columns: Numbers, miss: float
     rows = np.arange(len(held))
     for index, question in enumerate(held.questions):
         costs = model.costs(held.features, question)
-        place = columns[chosen(costs, offered, _single(model, question))]
+        place = columns[chosen(costs, offered, model.single_for(question))]
         known = (place != ABSENT) & held.offered[rows, place]
         found[index] = np.where(known, held.costs[index][rows, place], miss)
     return found
-
-
-def _single(model: SelectorModel, question: Question) -> int:
-    """The model's choice where it is offered nothing: the best for all under this question."""
-    alike = [
-        index
-        for index, one in enumerate(model.questions)
-        if (one.name, one.time) == (question.name, question.time)
-    ]
-    return int(model.single[alike[0] if alike else 0])
 
 
 def _best(examples: Examples, miss: float) -> Floats:

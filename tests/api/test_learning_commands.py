@@ -89,7 +89,7 @@ def test_a_finished_model_is_asked_about_test_data(store: Path, model: Path, tmp
     assert "closed gap by family" in table.stdout
     assert "Asking" in table.stderr
     for arguments, code, words in (
-        (("--store", store, "--model", model), 3, "too little evidence"),
+        (("--store", store, "--model", model), 3, "holds no test data"),
         (("--store", apart, "--model", model, "--quick"), 2, "--quick judges no model"),
         (("--store", apart, "--model", apart), 3, "no model"),
     ):
