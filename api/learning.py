@@ -14,7 +14,7 @@ from api.wording import path_words
 from features.extraction import extract, extractor_version
 from features.level_survey import LevelSurvey
 from features.table import FEATURES
-from models.artifact import Artifact, load, packed
+from models.artifact import Artifact, packed
 from models.evaluation import OnFold, Verdict, Winners
 from models.evaluation import winners as who_wins
 from scenes.atomic_file import write_atomically
@@ -69,14 +69,14 @@ def test_data(source: Store, device: str | None, levels: Path | None, on_instanc
     return learning(source, device, levels, on_instance, Role.TEST)
 
 
-def evaluation_of(model: Path, source: Learning) -> tuple[Verdict, ...]:
+def evaluation_of(model: Artifact, source: Learning) -> tuple[Verdict, ...]:
     """How good a finished model is on what it was not learnt from.
 
     Raises:
-        ModelError: It cannot be read, or knows other features.
+        ModelError: It knows other features.
         EvidenceError: Some of its choices were not measured.
     """
-    return tested(load(model), source)
+    return tested(model, source)
 
 
 def evaluation(source: Learning, on_fold: OnFold) -> tuple[Verdict, ...]:

@@ -25,6 +25,7 @@ from api.learning import (
     write_model,
 )
 from api.wording import counted, path_words
+from models.artifact import load
 from models.evaluation import Verdict
 from selector.learning.training import Learning
 
@@ -77,10 +78,12 @@ def run_evaluate(source: Source, *, quick: bool, as_json: bool) -> None:
 def run_test(source: Source, model: Path, *, as_json: bool) -> None:
     """Judges a finished model on test data, and prints it."""
     console = errors()
+    # Before minutes are spent on features.
+    artifact = load(model)
     with evidence(source.store, source.evidence) as store:
         found = test_data(store, source.device, source.levels, _Steps(console, "Finding features"))
     _say(console, f"Asking {model} about", found)
-    _print(found, evaluation_of(model, found), as_json=as_json)
+    _print(found, evaluation_of(artifact, found), as_json=as_json)
 
 
 def _print(found: Learning, verdicts: tuple[Verdict, ...], *, as_json: bool) -> None:
