@@ -6,7 +6,7 @@ import json
 import os
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
@@ -34,6 +34,7 @@ from selector.evidence.store import Store
 from selector.evidence.superseding import remark
 from selector.measurement import Status
 from selector.policy import Policy
+from selector.rebenchmark.calmness import calm_instances
 from selector.rebenchmark.drift import shifts
 from selector.rebenchmark.locking import beside, locked
 from selector.rebenchmark.origins import Asking, asking
@@ -260,11 +261,13 @@ class _Job:
     ) -> Sampled:
         techniques = self._timed_techniques(fresh, asked.questions)
         families = {key: rows[key].family for key in techniques}
-        keys = sample(techniques, families, self.request.sample, self.bench.seed)
+        here = [one.key for one in (self.machine.device, self.former) if one]
+        telling = frozenset().union(*(calm_instances(self.store.timings(device=key)) for key in here))
+        keys = sample(techniques, families, telling, self.request.sample, self.bench.seed)
         wanted = {key: techniques[key] for key in keys}
         failed: dict[str, str] = {}
         remarks: dict[str, None] = {}
-        found = self._measured(scratch, wanted, rows, asked, failed, remarks)
+        found = self._measured(scratch, wanted, telling, rows, asked, failed, remarks)
         compared, differing = differences(self._judgements(keys), scratch.judgements())
         measured = {key for by_instance in found.ratios.values() for key in by_instance}
         return Sampled(
@@ -299,6 +302,7 @@ class _Job:
         self,
         scratch: Store,
         wanted: Mapping[str, Sequence[str]],
+        telling: Collection[str],
         rows: Mapping[str, InstanceRow],
         asked: Asking,
         failed: dict[str, str],
@@ -314,7 +318,8 @@ class _Job:
                 failed |= dict(benchmark.score.failed)
                 remarks |= dict.fromkeys(benchmark.notary.remarks)
             found = self._paired(scratch, list(wanted))
-            left = {key: names for key, names in wanted.items() if key in found.disturbed}
+            # Times of before that are not calm do not become so by new ones.
+            left = {key: wanted[key] for key in wanted if key in found.disturbed and key in telling}
             if not left or self._late():
                 break
         return found

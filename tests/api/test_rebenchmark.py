@@ -18,6 +18,7 @@ from api.rebenchmark_watch import watched_levels
 from api.rebenchmarking import (
     JSON_BEGINNING,
     LOCK,
+    RETRIES,
     SAMPLE,
     Machine,
     Request,
@@ -33,6 +34,8 @@ from selector.benchmark.running import Benchmark
 from selector.evidence.rows import Purpose
 from selector.evidence.store import Store
 from selector.policy import policy
+from selector.rebenchmark.calmness import calm_instances
+from selector.rebenchmark.drift import FEWEST
 from selector.rebenchmark.locking import BusyError, beside, locked
 from selector.rebenchmark.origins import level_paths
 from selector.rebenchmark.remeasuring import Bench
@@ -44,6 +47,8 @@ from tests.small_level import small_level, small_scene
 
 CALM = 6
 """A run of `repeats.npz` that was taken on a calm machine, as was the next."""
+DISTURBED = 9
+"""A run during a third of which other programs were at work."""
 HOSTILE = '</script><script>alert("x")</script>'
 
 
@@ -205,6 +210,27 @@ def test_names_from_levels_stay_text(folder: Path) -> None:
     assert page.encode().startswith(PAGE_BEGINNING)
     assert "<script" not in page
     assert re.search(r'(src|href)="?http', page) is None
+
+
+def test_instances_that_can_tell_nothing_are_not_timed_twice(tmp_path: Path) -> None:
+    """Times of before that were taken beside other programs do not become calm by new ones."""
+    wanted = request(tmp_path, learn=False, levels=())
+    with Store.open(wanted.store) as store:
+        fill(store, [DISTURBED])
+        telling, known = calm_instances(store.timings()), len(list(store.instances()))
+    assert FEWEST < len(telling) < known
+    listener = Replay(DISTURBED + 1)
+    report = rebenchmark(wanted, listener, machine(), NOW)
+    assert report.sampled is not None
+    timed = [count for purpose, count, _ in listener.asked if purpose is Purpose.TIMES]
+    assert timed[0] == report.sampled.wanted == known
+    assert 0 < len(timed[1:]) <= RETRIES
+    assert max(timed[1:]) <= len(telling) - report.sampled.measured
+    # A sample of as many as can tell something is those.
+    few = rebenchmark(replace(wanted, sample=len(telling)), Replay(DISTURBED + 1), machine(), NOW)
+    assert few.sampled is not None
+    assert few.sampled.measured == report.sampled.measured
+    assert few.sampled.disturbed == len(telling) - few.sampled.measured
 
 
 def test_a_sample_that_is_held_against_nothing_is_no_calm_night(folder: Path) -> None:
