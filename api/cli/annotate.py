@@ -110,7 +110,7 @@ def annotate(  # noqa: PLR0913, PLR0917  the options of the command line are its
     from api.cli.annotate_run import run_annotate, run_clear  # noqa: PLC0415
     from api.cli.failures import UsageError  # noqa: PLC0415
     from api.cli.predict_run import run_predicted_annotate  # noqa: PLC0415
-    from api.predicting import Order as PredictOrder  # noqa: PLC0415
+    from api.predicted_annotating import Order as PredictOrder  # noqa: PLC0415
     from api.predicting import Wish  # noqa: PLC0415
     from scenes.scene import Mobility  # noqa: PLC0415
     from selector.level_measuring import Request  # noqa: PLC0415

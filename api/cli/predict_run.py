@@ -18,7 +18,9 @@ from api.cli.learning_tables import print_predictions
 from api.cli.level_warnings import print_left_behind, print_warnings
 from api.cli.progress import MeasuringProgress
 from api.cli.terminal import errors, flush_results, print_json, printable, results
-from api.predicting import Order, Predicted, Wish, annotating, level_record, predicted
+from api.predicted_annotating import Order, annotating
+from api.predicting import Outline, Predicted, Wish, predicted
+from api.prediction_records import level_record
 from api.wording import path_words
 from models.artifact import Artifact, load
 from models.shipped import SHIPPED_MODEL
@@ -109,7 +111,7 @@ def _print(
     say: Callable[[Console], None] | None = None,
 ) -> None:
     if as_json:
-        print_json(level_record(level, artifact, wish, found) | (more or {}))
+        print_json(level_record(Outline.of(level), artifact, wish, found) | (more or {}))
     else:
         print_predictions(results(), level, found)
         if say:

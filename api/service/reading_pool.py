@@ -35,8 +35,9 @@ class ReadingPool:
 
     def __init__(self, settings: Settings, entry: Entry) -> None:
         self._settings, self._entry = settings, entry
+        # The last one that has answered comes first: it remembers the level that it was asked about.
         # None wakes those who wait in vain.
-        self._free: asyncio.Queue[tuple[Worker, int] | None] = asyncio.Queue()
+        self._free: asyncio.LifoQueue[tuple[Worker, int] | None] = asyncio.LifoQueue()
         self._hiring: set[asyncio.Task[None]] = set()
         self._all: set[Worker] = set()
         self._waiting = 0

@@ -5,16 +5,20 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 from api.choosing import chosen_cameras, chosen_lights, require_triangles
-from api.predicting import Predicted, Wish, annotated, level_record, predicted
+from api.predicted_annotating import annotated
+from api.predicting import Outline, Predicted, Wish, answered, known_lights
+from api.prediction_records import level_record
 from api.service.asked import LevelOptions
 from api.service.child_process import Say, Work, work_through
 from api.service.level_claims import check_names, check_size, refuse_more
 from api.service.level_folder import Part, ReadyLevel, arranged, shown_as_name
+from api.service.level_memory import Known, LevelMemory
 from api.service.problems import ProblemError
 from models.artifact import Artifact, load
 from scenes.entry import Entry
@@ -36,7 +40,7 @@ def enter(pipe: Connection, parent: int, model: str, memory_bytes: int, seconds:
 
 
 def _reader(model: Path) -> Work:
-    artifact = load(model)
+    reader = _Reader(load(model))
 
     def work(request: Json, say: Say) -> Json:
         del say
@@ -57,45 +61,71 @@ def _reader(model: Path) -> Work:
 
         ready = arranged(upload, parts, options.name, check, limits[MOST_FILES])
         with shown_as_name(ready.path):
-            return _DOES[request["task"]](artifact, upload, ready, options, limits)
+            return _DOES[request["task"]](reader, _Asked(upload, ready, options, limits))
 
     return work
 
 
-def _predict(
-    artifact: Artifact, upload: Path, ready: ReadyLevel, options: LevelOptions, limits: Json
-) -> Json:
-    level = _read(ready, options, limits)
-    wish = wish_of(options)
-    found = list(predicted(level, artifact, wish))
-    record = level_record(level, artifact, wish, found) | {"level": ready.path.name}
-    text = json.dumps(record, allow_nan=False, separators=(",", ":"))
-    (upload / ANSWER).write_text(text, encoding="ascii")
-    return {"file": ANSWER}
+@dataclass(frozen=True)
+class _Asked:
+    """A level of a client, and what is to be done with it.
+
+    Attributes:
+        upload: The folder for what comes out.
+        ready: The level.
+        options: What is asked about it.
+        limits: How large it may be.
+    """
+
+    upload: Path
+    ready: ReadyLevel
+    options: LevelOptions
+    limits: Json
 
 
-def _annotate(
-    artifact: Artifact, upload: Path, ready: ReadyLevel, options: LevelOptions, limits: Json
-) -> Json:
-    level = _read(ready, options, limits)
-    found = list(predicted(level, artifact, wish_of(options)))
-    data = annotated(format_of(ready.path), read_level_file(ready.path), level, found, artifact)
-    if data is None:
-        raise _no_answers(ready, found)
-    (upload / ANNOTATED).write_bytes(data)
-    return {"file": ANNOTATED, "name": ready.path.name, "media_type": ready.media_type}
+class _Reader:
+    """Answers, and remembers the last levels."""
+
+    def __init__(self, artifact: Artifact) -> None:
+        self._artifact = artifact
+        self._memory = LevelMemory()
+
+    def predict(self, asked: _Asked) -> Json:
+        level, found = self._predicted(asked)
+        record = level_record(level, self._artifact, wish_of(asked.options), found)
+        record["level"] = asked.ready.path.name
+        text = json.dumps(record, allow_nan=False, separators=(",", ":"))
+        (asked.upload / ANSWER).write_text(text, encoding="ascii")
+        return {"file": ANSWER}
+
+    def annotate(self, asked: _Asked) -> Json:
+        level, found = self._predicted(asked)
+        path = asked.ready.path
+        data = annotated(format_of(path), read_level_file(path), level.lights, found, self._artifact)
+        if data is None:
+            raise _no_answers(asked.ready, found)
+        (asked.upload / ANNOTATED).write_bytes(data)
+        return {"file": ANNOTATED, "name": path.name, "media_type": asked.ready.media_type}
+
+    def look(self, asked: _Asked) -> Json:
+        """Reads a level that is to be measured later, and makes sure that it will be there then."""
+        level = _read(asked.ready, asked.options, asked.limits)
+        _sync(asked.upload)
+        lights = len(chosen_lights(level, asked.options.light))
+        return {"name": asked.ready.path.name, "media_type": asked.ready.media_type, "lights": lights}
+
+    def _predicted(self, asked: _Asked) -> tuple[Outline, list[Predicted]]:
+        wish = wish_of(asked.options)
+
+        def find() -> Known:
+            level = _read(asked.ready, asked.options, asked.limits)
+            return Outline.of(level), tuple(known_lights(level, self._artifact, wish))
+
+        level, lights = self._memory.known(asked.ready, asked.options, find)
+        return level, list(answered(lights, self._artifact, wish))
 
 
-def _look(artifact: Artifact, upload: Path, ready: ReadyLevel, options: LevelOptions, limits: Json) -> Json:
-    """Reads a level that is to be measured later, and makes sure that it will be there then."""
-    del artifact
-    level = _read(ready, options, limits)
-    _sync(upload)
-    lights = len(chosen_lights(level, options.light))
-    return {"name": ready.path.name, "media_type": ready.media_type, "lights": lights}
-
-
-_DOES = {"predict": _predict, "annotate": _annotate, "look": _look}
+_DOES = {"predict": _Reader.predict, "annotate": _Reader.annotate, "look": _Reader.look}
 
 
 def _read(ready: ReadyLevel, options: LevelOptions, limits: Json) -> Level:

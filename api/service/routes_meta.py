@@ -10,6 +10,7 @@ from api.service.metrics import MEDIA_TYPE
 from api.service.problems import ProblemError
 from api.service.records import Features, Health, Policies, Readiness, Techniques
 from api.service.state import service_of
+from api.service.state_folder import shortage
 from features.extraction import extractor_version
 from features.table import FEATURES
 from renderers.registry import TECHNIQUES
@@ -73,12 +74,13 @@ async def health() -> Response:
     "/readyz", operation_id="readiness", tags=["health"], response_model=Readiness, responses=problems()
 )
 async def readiness(request: Request) -> Response:
-    """Whether it can work: its model loads, its state can be written, its processes are up."""
+    """Whether it can work: its model loads, its state can be written and has room, its processes are up."""
     service = service_of(request)
     found = {
         "model": service.adviser.problem,
         "readers": service.pool.problem,
         "queue": service.desk.problem,
+        "room": shortage(service.settings.state, service.settings.limits.upload_bytes),
     }
     wrong = {name: problem for name, problem in found.items() if problem}
     if wrong:

@@ -7,7 +7,8 @@ import math
 import numpy as np
 from fastapi import APIRouter, Request, Response
 
-from api.predicting import EVERY_CANDIDATE_REFUSED, answer_record
+from api.predicting import EVERY_CANDIDATE_REFUSED
+from api.prediction_records import answer_record
 from api.service.asked import RecommendationRequest
 from api.service.describing import problems
 from api.service.problems import ProblemError, bytes_of
@@ -16,7 +17,7 @@ from api.service.state import service_of
 from features.table import NAMES
 from models.examples import Question
 from scenes.scene import LightKind
-from selector.learning.predicting import Advisor
+from selector.learning.predicting import Advisor, LightFacts
 from selector.policy import policy
 
 router = APIRouter()
@@ -42,7 +43,7 @@ async def recommend(request: Request, body: RecommendationRequest) -> Response:
     question = Question(wanted.name, body.mobility, wanted.max_edge_error_px)
 
     def answered(advisor: Advisor) -> bytes | None:
-        found = advisor.advise(LightKind(body.kind), rows, question, tuple(body.techniques))
+        found = advisor.advise(LightFacts(LightKind(body.kind), rows), question, tuple(body.techniques))
         return None if found is None else bytes_of(answer_record(found))
 
     answer = await service_of(request).adviser.ask(answered)

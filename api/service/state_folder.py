@@ -1,4 +1,4 @@
-"""Whether a folder may be the service's own: nothing of anybody else's is ever removed or written over."""
+"""The folder that is the service's own: nothing of anybody else's is ever removed or written over."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from api.service.job_store import FILE, JOBS, JobStoreError
+from api.service.problems import ProblemError
+from api.service.settings import MEBIBYTE
 
 INCOMING, LOCK = "incoming", "lock"
 MOST_SHOWN = 5
@@ -41,6 +43,19 @@ def check_is_ours(state: Path) -> None:
             strange += sorted(f"{name}/{path.name}" for path in (state / name).iterdir())
     if strange:
         raise _not_ours(state, strange)
+
+
+def shortage(state: Path, wanted_bytes: int) -> ProblemError | None:
+    """What to say where the folder's disk has less room than that; None where it has enough."""
+    free_bytes = shutil.disk_usage(state).free
+    if free_bytes >= wanted_bytes:
+        return None
+    free, wanted = (f"{count // MEBIBYTE:,} MiB" for count in (free_bytes, wanted_bytes))
+    return ProblemError(
+        "not-ready",
+        f"The disk has {free} left, and one level may take {wanted}.",
+        remedy="Make room, remove jobs that have ended, or give the service another folder with --state.",
+    )
 
 
 def remove_folders(folder: Path, shape: re.Pattern[str], kept: frozenset[str] = frozenset()) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -113,6 +113,21 @@ class Prediction:
     features: Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class LightFacts:
+    """What a model is asked with about one light of a level; no policy changes it.
+
+    Attributes:
+        kind: Of the light.
+        rows: (v, f) its features in each view, in the table's order.
+        refused: Candidates that cannot serve, with the reason.
+    """
+
+    kind: LightKind
+    rows: Floats
+    refused: Mapping[Candidate, str] = field(default_factory=dict)
+
+
 class Advisor:
     """A model that is ready to be asked about lights whose features are known.
 
@@ -132,22 +147,21 @@ class Advisor:
         self._limits = DeviceLimits(int(limits["max_texture_side"]), int(limits["max_buffer_bytes"]))
 
     def advise(
-        self, kind: LightKind, rows: Floats, question: Question, labels: tuple[str, ...] = ()
+        self, light: LightFacts, question: Question, labels: tuple[str, ...] = ()
     ) -> Prediction | None:
-        """The answer for a light of which nothing is known but its features; None where no candidate is left.
-
-        What a technique refuses because of the level is not found out: nothing of the level is here.
+        """The answer for one light; None where every candidate is refused.
 
         Args:
-            kind: Of the light.
-            rows: (v, f) its features in each view, in the table's order.
+            light: What is known of it.
             question: The policy, and the mobility, whose time counts.
             labels: Techniques to choose from; all where empty.
         """
-        wanted = self._candidates(kind, labels)
-        return self._answer(rounded(rows), question, wanted, ()) if wanted else None
+        wanted = self._candidates(light.kind, labels)
+        left = [one for one in wanted if one not in light.refused]
+        refused = tuple((one, light.refused[one]) for one in wanted if one in light.refused)
+        return self._answer(rounded(light.rows), question, left, refused) if left else None
 
-    def _candidates(self, kind: LightKind, labels: tuple[str, ...]) -> list[Candidate]:
+    def _candidates(self, kind: LightKind, labels: tuple[str, ...] = ()) -> list[Candidate]:
         """Those that the model knows."""
         return [
             one
@@ -292,26 +306,26 @@ class Predictor(Advisor):
         super().__init__(artifact)
         self._survey = survey
 
-    def predict(
-        self, light: Light, views: Sequence[View], question: Question, labels: tuple[str, ...] = ()
-    ) -> Prediction | None:
-        """The answer for one light over some views; None where every candidate is refused.
+    def facts(self, light: Light, views: Sequence[View]) -> LightFacts:
+        """What is known of a light of the level before the model is asked.
 
         Args:
             light: One of the level's lights.
             views: What it is judged over.
-            question: The policy, and the mobility, whose time counts.
-            labels: Techniques to choose from; all where empty.
         """
-        scene = self._survey.scene
-        wanted = self._candidates(light.kind, labels)
-        reasons = {one: one.method.refuses(light, scene, self._limits, dict(one.settings)) for one in wanted}
-        left = [one for one in wanted if reasons[one] is None]
-        if not left:
-            return None
-        rows = rounded(np.array([list(extract(self._survey, light, view).values.values()) for view in views]))
-        refused = tuple((one, reason) for one, reason in reasons.items() if reason is not None)
-        return self._answer(rows, question, left, refused)
+        reasons = {
+            one: one.method.refuses(light, self._survey.scene, self._limits, dict(one.settings))
+            for one in self._candidates(light.kind)
+        }
+        refused = {one: reason for one, reason in reasons.items() if reason is not None}
+        rows = [list(extract(self._survey, light, view).values.values()) for view in views]
+        return LightFacts(light.kind, np.array(rows), refused)
+
+    def predict(
+        self, light: Light, views: Sequence[View], question: Question, labels: tuple[str, ...] = ()
+    ) -> Prediction | None:
+        """The answer for one light over some views; the arguments are those of `facts` and `advise`."""
+        return self.advise(self.facts(light, views), question, labels)
 
 
 def reason(prediction: Prediction) -> str:

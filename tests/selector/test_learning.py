@@ -19,7 +19,7 @@ from selector.evidence.store import Store
 from selector.learning.dataset import EvidenceError, Slot, choices_of, dataset, questions
 from selector.learning.featuring import extractor, features_of
 from selector.learning.odds import ahead
-from selector.learning.predicting import Advisor, Predictor, reason, views_of
+from selector.learning.predicting import Advisor, LightFacts, Predictor, reason, views_of
 from selector.learning.training import Learning, judged, learning, trained
 from selector.policy import MISS, POLICIES
 from tests.random_scenes import look_at
@@ -282,6 +282,6 @@ def test_a_light_without_a_cone_is_not_said_to_have_one(
         return found
 
     monkeypatch.setattr(SelectorModel, "costs", costs)
-    found = advisor.advise(kind, rows, questions()[0])
+    found = advisor.advise(LightFacts(kind, rows), questions()[0])
     assert found is not None
     assert [one.words for one in found.deciding] == [words]

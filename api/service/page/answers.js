@@ -40,7 +40,7 @@ function measuredAnswer(light, limit) {
   if (!light.chosen) return { source: "measured", problem: light.problem };
   const candidates = light.candidates.map((one) => ({
     technique: one.label, name: measuredName(one), meaning: settingsMeaning(one.settings), chosen: measuredName(one) === measuredName(light.chosen),
-    ms: one.shadow_ms, px: edge(one.label, one.edge_error_px), failure: one.status === "ok" ? "" : one.reason || one.status.replaceAll("_", " "),
+    ms: one.shadow_ms, px: edge(one.label, one.edge_error_px), wrong: one.wrong_share ?? 0, failure: one.status === "ok" ? "" : one.reason || one.status.replaceAll("_", " "),
   }));
   return {
     source: "measured", problem: "", mobility: light.mobility, limit,

@@ -3,7 +3,8 @@
 import { closeCall, differences, isCloseCall, lightsOf, verdict } from "./answers.js";
 import { at, badge, breakable, html, mark, meter, techniqueTitle } from "./elements.js";
 import { details } from "./details.js";
-import { counted, ms, percent, px, range, sentence } from "./words.js";
+import { forgetOrder, header, keepInOrder } from "./order.js";
+import { counted, ms, percent, px, range, sentence, wrongShare } from "./words.js";
 
 const COLUMNS = ["Light", "Use", "Shadow time", "Edge off", "Confidence", "Why"];
 const NUMBERS = new Set(["Shadow time", "Edge off", "Confidence"]);
@@ -14,17 +15,19 @@ let before = new Map();
 export function forgetRows() {
   open.clear();
   before = new Map();
+  forgetOrder();
 }
 
 export function showLights(predicted, measured) {
   const lights = lightsOf(predicted, measured);
   const unlike = predicted && measured ? differences(predicted, measured, lights) : [];
-  const head = COLUMNS.map((name) => html("th", { scope: "col", role: "columnheader", class: NUMBERS.has(name) ? "number" : "" }, name));
+  const head = COLUMNS.map((name) => header(name, NUMBERS.has(name) ? "number" : ""));
   const table = html("table", { class: measured && predicted ? "lights both" : "lights", role: "table", "aria-label": "Lights" },
     html("thead", { role: "rowgroup" }, html("tr", { role: "row" }, ...head)),
     ...lights.map((light) => group(light, unlike.length === 0)));
   const focused = document.activeElement?.closest?.("[data-node]")?.dataset.node;
   at("lights").replaceChildren(table);
+  keepInOrder(table, lights);
   if (focused !== undefined) table.querySelector(`[data-node="${focused}"] .opens`)?.focus();
   before = new Map(lights.map((light) => [light.node, light.predicted?.chosen?.name]));
   at("expand").textContent = open.size > 0 ? "Close all" : "Open all";
@@ -33,7 +36,7 @@ export function showLights(predicted, measured) {
 }
 
 function all(table, wanted) {
-  for (const button of table.querySelectorAll(".opens")) {
+  for (const button of table.querySelectorAll("tbody:not([hidden]) .opens")) {
     if ((button.getAttribute("aria-expanded") === "true") !== wanted) button.click();
   }
 }
@@ -79,13 +82,18 @@ function row(light, answer, name, comparable) {
   return html("tr", attributes, name,
     cell("Use", [html("span", { class: "name", title: chosen.meaning || null }, mark(chosen.technique), chosen.name), html("span", { class: "under" }, both ? answer.source : techniqueTitle(chosen.technique), badges(light, answer, comparable))], "use"),
     cell("Shadow time", figure(ms(chosen.ms), chosen.msRange && range(chosen.msRange, "ms")), "number"),
-    cell("Edge off", figure(px(chosen.px), chosen.pxRange && range(chosen.pxRange, "px")), answer.within ? "number" : "number over"),
+    cell("Edge off", figure(px(chosen.px), belowEdge(chosen)), answer.within ? "number" : "number over"),
     cell("Confidence", confidence(answer), "number"),
     cell("Why", html("span", { class: "brief" }, measured ? answer.reason : why(answer)), "why"));
 }
 
 function cell(label, content, kind, more = {}) {
   return html("td", { role: "cell", class: kind, "data-label": label, ...more }, ...[content].flat());
+}
+
+function belowEdge({ px: edge, pxRange, wrong }) {
+  if (pxRange) return range(pxRange, "px");
+  return edge === null && wrong > 0 ? wrongShare(wrong) : "";
 }
 
 function figure(value, below) {

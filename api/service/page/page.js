@@ -1,28 +1,21 @@
-// The page: what it shows at present, and what happens when something is dropped, chosen or asked.
+// The page: what happens when something is dropped, chosen or asked.
 
-import { summary, verdict } from "./answers.js";
 import { draw as drawDial } from "./dial.js";
 import { setFeatures } from "./details.js";
-import { at, breakable, html, mark, setTechniques, show } from "./elements.js";
-import { ended } from "./events.js";
+import { draw } from "./drawing.js";
+import { at, setTechniques, show } from "./elements.js";
 import { chosen, dropped, levelOf, sent } from "./files.js";
-import { cancel, currentJob, downloadMeasured, downloadReport, follow, leave, listJobs, stateName } from "./job.js";
+import { cancel, currentJob, downloadMeasured, downloadReport, follow, leave, listJobs } from "./job.js";
 import { closeLevel, forgetJob, jobInAddress, keepLevel, keptLevel, putInAddress, wasOpen } from "./kept.js";
-import { forgetRows, showLights } from "./lights.js";
+import { forgetRows } from "./lights.js";
+import { now } from "./now.js";
 import { announce } from "./reading.js";
 import { ask, askJson, download, Problem } from "./service.js";
 import { currentWish, enableWish, offerPolicies, putWish, query, showWhatIsWrong, wishHolds } from "./wish.js";
-import { counted, deviceName, listed, ms } from "./words.js";
+import { counted } from "./words.js";
 
-let level = null;
-let predicted = null;
-let measured = null;
 let asking = null;
 let ready = null;
-// What the predictions shown were asked with, and whether they no longer answer what the controls say.
-let answeredWish = null;
-let stale = false;
-let reading = false;
 
 // Levels that the browser's Back may come back to, by the key in its entry.
 const visited = new Map();
@@ -68,12 +61,12 @@ async function openLevel(next, anew = true) {
   const beside = currentJob() && staysBeside(currentJob(), next, answer, anew);
   if (!beside) {
     leave();
-    measured = null;
+    now.measured = null;
   }
   forgetRows();
   moves += 1;
   key = `${Date.now()}-${moves}`;
-  [level, predicted] = [next, answer];
+  [now.level, now.predicted] = [next, answer];
   setPlace(anew && !beside);
   tell();
   at("level-name").focus({ preventScroll: true });
@@ -82,22 +75,27 @@ async function openLevel(next, anew = true) {
 
 // A job stays when its own level is opened beside it.
 function staysBeside(job, next, answer, anew) {
-  if (job.level !== next.name || (measured && measured.digest !== answer.digest)) return false;
-  return !anew || (!level && ["queued", "running", "done"].includes(job.state));
+  if (job.level !== next.name || (now.measured && now.measured.digest !== answer.digest)) return false;
+  return !anew || (!now.level && ["queued", "running", "done"].includes(job.state));
 }
 
 // Names in the address and in the browser's history what is shown.
 function setPlace(anew) {
   const job = currentJob();
-  const place = { view: job ? "job" : level ? "level" : "home", key: level ? key : "", name: level?.name ?? "", over: Boolean(job && anew && history.state?.view === "level") };
+  const place = { view: job ? "job" : now.level ? "level" : "home", key: now.level ? key : "", name: now.level?.name ?? "", over: Boolean(job && anew && history.state?.view === "level") };
   putInAddress(place, job?.id, anew);
-  if (level) visited.set(key, { level, predicted, answeredWish });
+  if (now.level) remember();
+}
+
+function remember() {
+  const { level, predicted, answeredWish } = now;
+  visited.set(key, { level, predicted, answeredWish });
 }
 
 async function predict() {
   try {
-    predicted = await answered(level, "Asking again:");
-    visited.set(key, { level, predicted, answeredWish });
+    now.predicted = await answered(now.level, "Asking again:");
+    remember();
   } catch (error) {
     if (error.name !== "AbortError") outdate();
     throw error;
@@ -108,35 +106,35 @@ async function predict() {
 // The table stays, but does not look like the answer to what is asked now.
 function outdate() {
   asking?.abort();
-  stale = true;
+  now.stale = true;
   draw();
 }
 
 function stopAsking() {
   asking?.abort();
-  if (predicted && answeredWish) putWish(answeredWish);
-  stale = false;
+  if (now.predicted && now.answeredWish) putWish(now.answeredWish);
+  now.stale = false;
   say("Cancelled.");
   draw();
 }
 
 function tell() {
   draw();
-  say(`Answers for ${counted(predicted.lights.length, "light")} of ${predicted.level}, edges off by at most ${predicted.max_edge_error_px} pixels.`);
+  say(`Answers for ${counted(now.predicted.lights.length, "light")} of ${now.predicted.level}, edges off by at most ${now.predicted.max_edge_error_px} pixels.`);
 }
 
 async function answered(asked, verb) {
   asking?.abort();
   const control = new AbortController();
   asking = control;
-  const again = asked === level;
+  const again = asked === now.level;
   const wish = currentWish();
   const quiet = announce(verb, asked.name, { late: again, cancel: stopAsking });
   busy(again, !again);
   if (!again) say(`Reading ${asked.name}`);
   try {
     const answer = await askJson("/v1/levels", { ...sent(asked), query: query(asked.name), signal: control.signal });
-    [answeredWish, stale] = [wish, false];
+    [now.answeredWish, now.stale] = [wish, false];
     return answer;
   } finally {
     quiet();
@@ -149,96 +147,23 @@ async function answered(asked, verb) {
 }
 
 function busy(again, anew) {
-  reading = anew;
+  now.reading = anew;
   document.body.classList.toggle("asking", again);
   document.body.classList.toggle("reading", anew);
   at("lights").setAttribute("aria-busy", String(again));
-  enableWish(Boolean(level) && !anew);
-}
-
-function draw() {
-  const shown = predicted ?? measured;
-  const job = currentJob();
-  show(at("welcome"), !shown && !job);
-  show(at("level"), Boolean(shown) || Boolean(job));
-  if (!shown && !job) return;
-  at("level-name").replaceChildren(...breakable(level?.name ?? job?.level ?? shown.level));
-  at("level-kicker").textContent = kicker(job);
-  document.title = `${at("level-name").textContent} · Gnomon`;
-  show(at("measure"), Boolean(level) && !(job && !ended(job)));
-  at("measure").textContent = measured ? "Measure again" : "Measure this level";
-  at("measure").classList.toggle("strong", !measured);
-  show(at("download"), Boolean(predicted?.lights.some((one) => !one.problem)));
-  show(at("job-again"), !level && ["failed", "cancelled"].includes(job?.state));
-  enableWish(Boolean(level) && !reading);
-  show(at("wish"), Boolean(level));
-  facts(shown, job);
-  drawTable(shown);
-}
-
-function kicker(job) {
-  if (measured) return predicted ? "Predicted and measured" : "Measured";
-  return predicted ? "Predicted" : stateName(job);
-}
-
-function drawTable(shown) {
-  at("lights").classList.toggle("stale", stale);
-  show(at("lights"), Boolean(shown));
-  show(at("expand"), Boolean(shown));
-  const { lights, unlike } = shown ? showLights(predicted, measured) : { lights: [], unlike: [] };
-  at("table-note").textContent = note(lights, unlike);
-  const sources = ["predicted", "measured"].map((name) => [name, summary(lights, name)]).filter(([, one]) => one);
-  at("level-summary").replaceChildren(...sources.map(([name, one]) => html("p", { class: "facts" }, ...summed(one, sources.length > 1 ? name : ""))));
-}
-
-function summed({ counts, without, ms: together }, source) {
-  const words = counts.map(([technique, count], index) => html("span", { class: "share" }, mark(technique), html("strong", {}, technique), ` for ${index === 0 ? counted(count, "light") : count.toLocaleString("en")}`));
-  const rest = without > 0 ? html("span", { class: "share" }, `no answer for ${without.toLocaleString("en")}`) : null;
-  const whose = source ? html("span", { class: "source" }, source) : null;
-  return [whose, ...words, rest, html("span", { class: "share" }, html("strong", {}, ms(together)), " if all are drawn")];
-}
-
-// What the table is about: light count, format, size and device.
-function facts(shown, job) {
-  const resolution = shown ? shown.resolution.join("x") : job.options.resolution;
-  const count = shown ? shown.lights.length : job.lights;
-  const words = [typeof count === "number" ? counted(count, "light") : "", shown?.format ?? "", resolution ? `seen at ${resolution}` : ""];
-  const renderer = shown ? shown.model?.device ?? shown.device?.renderer : "";
-  // An opened explanation stays open while the figures change.
-  const before = at("device")?.closest("details").open ?? false;
-  at("level-facts").replaceChildren(html("span", {}, words.filter(Boolean).join(" · ")), ...(renderer ? [timesOf(renderer, before)] : []));
-  if (predicted) at("model").textContent = `Predicted by a model of ${predicted.model.generator} with times of ${predicted.model.device}.`;
-}
-
-function timesOf(renderer, open) {
-  const summary = html("summary", { id: "device", title: renderer }, `times of ${deviceName(renderer)}`);
-  const command = (words) => html("code", {}, words);
-  const words = predicted
-    ? ["Times are predicted for ", html("strong", {}, renderer), ". For those of another device, run ", command("gnomon benchmark"), " on it, let ", command("gnomon train"), " learn from that, and start ", command("gnomon serve --model FILE"), " with the model."]
-    : ["Measured on ", html("strong", {}, renderer), ", the device of this service."];
-  return html("details", { class: "times", open }, summary, html("p", {}, ...words));
+  enableWish(Boolean(now.level) && !anew);
 }
 
 const sameWish = (one, other) => JSON.stringify(one) === JSON.stringify(other);
-
-function note(lights, unlike) {
-  if (stale) return "The table answers what was asked before, not what the controls say now.";
-  if (!predicted && !level) return reading ? "" : `This level is not open here. Drop it again to see predictions${measured ? " beside" : ""}.`;
-  if (!measured || !predicted) return "";
-  if (unlike.length > 0) return `Not compared: ${listed(unlike)}.`;
-  const judged = lights.map(verdict).filter(Boolean);
-  const right = judged.filter(([, kind]) => kind !== "differs").length;
-  return `The technique came out as predicted for ${right} of ${counted(judged.length, "light")}.`;
-}
 
 const heard = { said: (job, words) => {
   say(words);
   listJobs(openJob);
   draw();
 }, finished: (job, result) => {
-  measured = result;
+  now.measured = result;
   // Another level of the same name, or the same one before it was changed.
-  if (result && predicted && predicted.digest !== result.digest) [level, predicted] = [null, null];
+  if (result && now.predicted && now.predicted.digest !== result.digest) [now.level, now.predicted] = [null, null];
   listJobs(openJob);
   draw();
   if (result) say(`${job.level} is measured: ${counted(result.lights.length, "light")}.`);
@@ -253,9 +178,9 @@ const checked = (act) => async () => {
 async function measure() {
   at("measure").disabled = true;
   try {
-    const answer = await ask("/v1/jobs", { ...sent(level), query: query(level.name) });
+    const answer = await ask("/v1/jobs", { ...sent(now.level), query: query(now.level.name) });
     const job = await answer.json();
-    measured = null;
+    now.measured = null;
     setTimeout(() => at("job").scrollIntoView({ block: "nearest" }));
     moves += 1;
     attempt(() => follow(job, heard));
@@ -287,8 +212,8 @@ async function showJob(id, anew) {
   const mine = moves;
   const job = await knownJob(id);
   if (mine !== moves) return;
-  if (level && level.name !== job.level) [level, predicted] = [null, null];
-  measured = null;
+  if (now.level && now.level.name !== job.level) [now.level, now.predicted] = [null, null];
+  now.measured = null;
   forgetRows();
   attempt(() => follow(job, heard));
   setPlace(anew);
@@ -303,7 +228,7 @@ function showHome() {
   asking?.abort();
   leave();
   closeLevel();
-  [level, predicted, measured, stale] = [null, null, null, false];
+  [now.level, now.predicted, now.measured, now.stale] = [null, null, null, false];
   show(at("problem"), false);
   document.title = "Gnomon";
   draw();
@@ -312,7 +237,7 @@ function showHome() {
 
 function home(event) {
   event.preventDefault();
-  const away = Boolean(level || currentJob());
+  const away = Boolean(now.level || currentJob());
   showHome();
   if (away) setPlace(true);
   at("drop").focus();
@@ -321,8 +246,8 @@ function home(event) {
 function closeJob() {
   const back = history.state?.over;
   leave();
-  measured = null;
-  if (!predicted) showHome();
+  now.measured = null;
+  if (!now.predicted) showHome();
   draw();
   listJobs(openJob);
   // The level's own entry lies below, and there should not be two of it.
@@ -351,20 +276,19 @@ async function travelled() {
   }
   if (place.view !== "level") return;
   leave();
-  measured = null;
+  now.measured = null;
   listJobs(openJob);
   if (known) draw();
   else await reopen(place.name);
-  if (level && predicted && !sameWish(currentWish(), answeredWish)) await predict();
+  if (now.level && now.predicted && !sameWish(currentWish(), now.answeredWish)) await predict();
 }
 
 // The controls are the person's, so a table of another time is asked for again where they differ.
 function takeUp(known, place) {
-  ({ level, predicted, answeredWish } = known);
+  Object.assign(now, known, { stale: false });
   key = place.key;
-  stale = false;
   forgetRows();
-  keepLevel(level);
+  keepLevel(now.level);
 }
 
 // A level of before the last reload: the browser has kept one.
@@ -402,7 +326,7 @@ function wire() {
   watchDrops();
   const press = { measure: checked(measure), example: tryExample, "job-cancel": cancel, "job-download": downloadMeasured, "job-report-saved": downloadReport };
   for (const [id, act] of Object.entries(press)) at(id).addEventListener("click", () => attempt(act));
-  at("download").addEventListener("click", () => attempt(checked(() => download("/v1/levels/annotated", { ...sent(level), query: query(level.name) }, level.name))));
+  at("download").addEventListener("click", () => attempt(checked(() => download("/v1/levels/annotated", { ...sent(now.level), query: query(now.level.name) }, now.level.name))));
   at("problem-close").addEventListener("click", () => show(at("problem"), false));
   at("job-close").addEventListener("click", closeJob);
   at("home").addEventListener("click", home);
@@ -418,7 +342,7 @@ async function restore() {
   try {
     await openLevel(kept, false);
   } catch (error) {
-    if (error.name === "AbortError" && !level) closeLevel();
+    if (error.name === "AbortError" && !now.level) closeLevel();
     throw error;
   }
 }
@@ -432,7 +356,7 @@ async function start() {
   const [techniques, policies, features] = await Promise.all(["/v1/techniques", "/v1/policies", "/v1/features"].map((path) => askJson(path)));
   setTechniques(techniques.techniques);
   setFeatures(features.features);
-  offerPolicies(policies, { changed: () => { if (level) attempt(predict); }, refused: () => { if (level) outdate(); } });
+  offerPolicies(policies, { changed: () => { if (now.level) attempt(predict); }, refused: () => { if (now.level) outdate(); } });
 }
 
 drawDial(at("dial"));

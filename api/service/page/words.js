@@ -16,6 +16,12 @@ export function px(value) {
   return value < LEAST_PX ? `< ${LEAST_PX} px` : `${digits(value)} px`;
 }
 
+// What is wrong where no edge is long enough to be off.
+export function wrongShare(share) {
+  const value = Number((100 * share).toPrecision(2));
+  return value < 0.001 ? "< 0.001 % wrong" : `${value} % wrong`;
+}
+
 export function range([low, high], unit) {
   if (high < LEAST_PX && unit === "px") return "";
   const [from, to] = [digits(low), digits(high)];

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import errno
+import shutil
 import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from api.service.application import Entries
 from api.service.problems import is_full
 from api.service.settings import Settings
+from api.service.state_folder import shortage
 from scenes.errors import OutputError
 from tests.api.service import strange_workers
 from tests.api.service.running_service import PATIENCE_S, Running, problem, running
@@ -47,6 +50,17 @@ def test_what_cannot_be_written_is_told(service: Running) -> None:
         assert "queue" in found["detail"]
         assert service.client.get(job["links"]["self"]).status_code == 200
     assert service.client.delete(job["links"]["self"]).status_code == 200
+
+
+def test_a_disk_without_room_for_a_level_is_told(
+    service: Running, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    free = shutil.disk_usage(tmp_path).free
+    assert shortage(tmp_path, free // 2) is None
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=3 * 2**20))
+    found = problem(service.client.get("/readyz"), 503, "not-ready")
+    assert "room: The disk has 3 MiB left, and one level may take 256 MiB." in found["detail"]
+    assert "--state" in found["remedy"]
 
 
 def test_an_end_that_could_not_be_written_is_written_later(service: Running) -> None:

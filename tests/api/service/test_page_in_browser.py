@@ -127,7 +127,7 @@ def test_without_a_mouse(at_page: Visit) -> None:
     page.wait_for_selector(".lights tbody")
     assert page.evaluate("document.activeElement.id") == "level-name"
     reached = []
-    for _ in range(12):
+    for _ in range(20):
         page.keyboard.press("Tab")
         reached.append(
             page.evaluate(
@@ -137,7 +137,7 @@ def test_without_a_mouse(at_page: Visit) -> None:
         if reached[-1] == "opens":
             break
     assert reached[:4] == ["device", "measure", "download", "another"]
-    assert reached[-1] == "opens"
+    assert reached[-6:] == [*["sort"] * 5, "opens"]
     page.keyboard.press("Enter")
     assert page.locator(".opens").first.get_attribute("aria-expanded") == "true"
     assert page.locator("tr.behind:visible").count() == 1

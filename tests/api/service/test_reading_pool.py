@@ -44,6 +44,15 @@ def test_a_reader_answers_again_and_again(strange: Running) -> None:
     assert reader(strange) == reader(strange)
 
 
+def test_the_reader_that_remembers_the_level_is_asked_first(tmp_path: Path) -> None:
+    with running(Settings(state=tmp_path, readers=2, limits=LIMITS), STRANGE) as up:
+        until = time.monotonic() + PATIENCE_S
+        while len(up.parts.pool.pids) < 2 and time.monotonic() < until:
+            time.sleep(0.01)
+        reader(up)
+        assert len({reader(up) for _ in range(6)}) == 1
+
+
 @pytest.mark.parametrize(
     ("word", "status", "kind", "words"),
     [
