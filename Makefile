@@ -21,7 +21,7 @@ help:
 	@echo "make models     learn the shipped models from the committed evidence again"
 	@echo "make test-slow  run the tests that take minutes"
 	@echo "make test-blender  test the Blender extension in a real Blender (loads 400 MB once)"
-	@echo "make fuzz       feed the readers 100,000 broken files"
+	@echo "make fuzz       feed the readers 100,000 broken files, and the service as many"
 	@echo "make bench      time the techniques; let nothing else run beside it"
 	@echo "make flip-agreement  compare the error figures with FLIP on 264 views (7 minutes)"
 	@echo "make examples   write the example level again"
@@ -73,8 +73,8 @@ test-blender: setup
 	PYTHON="$(PYTHON)" bash plugins/blender/test.sh
 
 fuzz: setup
-	GNOMON_FUZZ_EXAMPLES=20000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/scenes/test_*_fuzz.py \
-	    tests/api/service/test_service_fuzz.py
+	GNOMON_FUZZ_EXAMPLES=20000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/scenes/test_*_fuzz.py
+	GNOMON_FUZZ_EXAMPLES=34000 $(PYTEST) -n $(WORKERS) --timeout 36000 tests/api/service/test_service_fuzz.py
 
 bench: setup
 	$(BIN)/python -m tests.bench.reading

@@ -92,7 +92,7 @@ def _serve(settings: Settings, announce: Callable[[str], None], entries: Entries
     app = create_app(settings, entries)
     # What goes wrong with a request is logged by our own code, with the request's id.
     logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
-    with _listening(settings) as listener:
+    with listening(settings) as listener:
         server = _Server(configuration(app, settings), lambda: announce(url_of(settings.host, listener)))
         ended: SystemExit | None = None
         try:
@@ -146,7 +146,12 @@ class _Server(uvicorn.Server):
 
 
 @contextmanager
-def _listening(settings: Settings) -> Iterator[socket.socket]:
+def listening(settings: Settings) -> Iterator[socket.socket]:
+    """A socket at the address that is wanted.
+
+    Raises:
+        ServeError: The service cannot listen there.
+    """
     host = settings.host.strip("[]")
     try:
         family = socket.AF_INET6 if ":" in host else socket.AF_INET

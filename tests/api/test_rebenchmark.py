@@ -18,7 +18,6 @@ from api.rebenchmark_watch import watched_levels
 from api.rebenchmarking import (
     JSON_BEGINNING,
     LOCK,
-    RETRIES,
     SAMPLE,
     Machine,
     Request,
@@ -29,71 +28,21 @@ from api.rebenchmarking import (
 from models import fitting
 from models.artifact import load
 from scenes.errors import OutputError
-from scenes.scene import Light, LightKind, Mobility
+from scenes.scene import Mobility
 from selector.benchmark.running import Benchmark
 from selector.evidence.rows import Purpose
 from selector.evidence.store import Store
-from selector.policy import policy
-from selector.rebenchmark.calmness import calm_instances
-from selector.rebenchmark.drift import FEWEST
 from selector.rebenchmark.locking import BusyError, beside, locked
 from selector.rebenchmark.origins import level_paths
-from selector.rebenchmark.remeasuring import Bench
 from selector.rebenchmark.report import Report, verdict
 from tests.api.command import environment, gnomon, program, succeeded
-from tests.selector.repeated_runs import codes, fill, repeats
+from tests.api.rebenchmark_request import HOSTILE, lights, machine, request
+from tests.selector.repeated_runs import fill, repeats
 from tests.selector.replaying import NOW, Replay
 from tests.small_level import small_level, small_scene
 
 CALM = 6
 """A run of `repeats.npz` that was taken on a calm machine, as was the next."""
-DISTURBED = 9
-"""A run during a third of which other programs were at work."""
-HOSTILE = '</script><script>alert("x")</script>'
-
-
-def lights(count: int = 12) -> tuple[Light, ...]:
-    """Of both kinds, near and far, wide and narrow."""
-    found = []
-    for index in range(count):
-        place = (float(index % 4 - 1.5), 1.5 + index % 5, float(index % 3 - 1))
-        reach = 4.0 + 2.5 * index
-        mobility = Mobility.STATIC if index % 3 else Mobility.DYNAMIC
-        name = f"Lamp {index} {HOSTILE if index == 0 else ''}"
-        if index % 2:
-            found.append(Light(name, LightKind.POINT, place, range_m=reach, mobility=mobility))
-        else:
-            cone = 0.4 + 0.08 * index
-            found.append(
-                Light(
-                    name,
-                    LightKind.SPOT,
-                    place,
-                    (0.0, -1.0, 0.0),
-                    cone / 2,
-                    cone,
-                    range_m=reach,
-                    mobility=mobility,
-                )
-            )
-    return tuple(found)
-
-
-def machine(**changed: str) -> Machine:
-    return Machine(Bench(codes=codes() | changed), repeats().device)
-
-
-def request(folder: Path, **more: object) -> Request:
-    known = Request(
-        store=str(folder / "e.sqlite"),
-        model=folder / "town.model",
-        report=folder / "night.html",
-        levels=(folder / "yard.glb",),
-        policy=policy("balanced"),
-        size=(160, 128),
-        folds=3,
-    )
-    return replace(known, **more)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -210,27 +159,6 @@ def test_names_from_levels_stay_text(folder: Path) -> None:
     assert page.encode().startswith(PAGE_BEGINNING)
     assert "<script" not in page
     assert re.search(r'(src|href)="?http', page) is None
-
-
-def test_instances_that_can_tell_nothing_are_not_timed_twice(tmp_path: Path) -> None:
-    """Times of before that were taken beside other programs do not become calm by new ones."""
-    wanted = request(tmp_path, learn=False, levels=())
-    with Store.open(wanted.store) as store:
-        fill(store, [DISTURBED])
-        telling, known = calm_instances(store.timings()), len(list(store.instances()))
-    assert FEWEST < len(telling) < known
-    listener = Replay(DISTURBED + 1)
-    report = rebenchmark(wanted, listener, machine(), NOW)
-    assert report.sampled is not None
-    timed = [count for purpose, count, _ in listener.asked if purpose is Purpose.TIMES]
-    assert timed[0] == report.sampled.wanted == known
-    assert 0 < len(timed[1:]) <= RETRIES
-    assert max(timed[1:]) <= len(telling) - report.sampled.measured
-    # A sample of as many as can tell something is those.
-    few = rebenchmark(replace(wanted, sample=len(telling)), Replay(DISTURBED + 1), machine(), NOW)
-    assert few.sampled is not None
-    assert few.sampled.measured == report.sampled.measured
-    assert few.sampled.disturbed == len(telling) - few.sampled.measured
 
 
 def test_a_sample_that_is_held_against_nothing_is_no_calm_night(folder: Path) -> None:

@@ -8,14 +8,14 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import httpx
 import uvicorn
 
 from api.service.application import Entries, create_app
-from api.service.listening import configuration
+from api.service.listening import configuration, listening
 from api.service.settings import Settings
 from api.service.state import Service
 from features.table import NAMES
@@ -82,7 +82,7 @@ class Running:
 def running(settings: Settings, entries: Entries | None = None) -> Iterator[Running]:
     app = create_app(settings, entries)
     server = uvicorn.Server(configuration(app, settings))
-    with socket.create_server(("127.0.0.1", 0)) as listener:
+    with listening(replace(settings, host="127.0.0.1", port=0)) as listener:
         port = listener.getsockname()[1]
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()

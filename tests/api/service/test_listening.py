@@ -11,7 +11,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from api.service.listening import ServeError, _listening, check, serve, token_of, url_of
+from api.service.listening import ServeError, check, listening, serve, token_of, url_of
 from api.service.settings import Settings, default_state
 from tests.api.command import ROOT, environment, gnomon, program, running, started, wait_for_line
 
@@ -90,7 +90,7 @@ def test_small_answers_do_not_wait_for_an_acknowledgement(tmp_path: Path) -> Non
             writer.close()
             return await asyncio.wait_for(found, 30)
 
-    with _listening(Settings(port=0, state=tmp_path)) as listener:
+    with listening(Settings(port=0, state=tmp_path)) as listener:
         assert asyncio.run(nodelay())
 
 
