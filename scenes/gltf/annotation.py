@@ -20,8 +20,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from scenes.bare_level import NOTHING, RESTORED, Bare
 from scenes.gltf.annotation_edits import declaration, node_edits, removals
 from scenes.gltf.annotation_record import GltfFile, MarkedNode, decoded, marked_nodes, opened
 from scenes.gltf.json_chunk import padded
@@ -30,8 +30,6 @@ from scenes.light_annotation import OWN_KEYS, Cleared, LightAnnotation, Scalar
 
 _RESERVED = frozenset({"original", "withheldExtras"})
 
-_NOTHING = "There was nothing to clear."
-_RESTORED = "The original is restored byte for byte."
 _CHANGED = (
     "Gnomon's annotation is removed, but another program has changed the file since it was annotated,"
     " so the bytes of the original cannot be restored."
@@ -101,8 +99,7 @@ def clear(source: bytes, *, where: str = "") -> Cleared:
     Raises:
         LevelError: The file is not valid glTF JSON or GLB.
     """
-    bare = _bare(opened(source, where))
-    return Cleared(bare.data, restored=bare.note in (_NOTHING, _RESTORED), note=bare.note)
+    return _bare(opened(source, where)).cleared()
 
 
 def is_annotated(source: bytes) -> bool:
@@ -126,26 +123,11 @@ def _annotation(raw: RawJson, one: MarkedNode) -> LightAnnotation:
     )
 
 
-@dataclass(frozen=True)
-class _Bare:
-    """A file without anything of ours.
-
-    Attributes:
-        data: The file.
-        had_strays: Whether keys of ours without a record were taken out of it, now or earlier.
-        note: What happened, for the user.
-    """
-
-    data: bytes
-    had_strays: bool
-    note: str
-
-
-def _bare(file: GltfFile) -> _Bare:
+def _bare(file: GltfFile) -> Bare:
     marked = marked_nodes(file)
     edits = removals(file, marked)
     if not edits:
-        return _Bare(file.chunk.source, had_strays=False, note=_NOTHING)
+        return Bare(file.chunk.source, had_strays=False, note=NOTHING)
     raw = file.raw
     text = spliced(raw.text, edits)
     root_end = raw.root.end - (len(raw.text) - len(text))
@@ -155,7 +137,7 @@ def _bare(file: GltfFile) -> _Bare:
         length = records[0].json_length
         exact = file.chunk.holding(text if length is None else text[: max(length, root_end)])
         if hashlib.sha256(exact).hexdigest() == records[0].sha256:
-            return _Bare(exact, had_strays, _STRAYS if had_strays else _RESTORED)
+            return Bare(exact, had_strays, _STRAYS if had_strays else RESTORED)
     data = file.chunk.holding(padded(text[:root_end]) if file.chunk.binary else text)
     had_strays |= any(not one.ours for one in marked)
-    return _Bare(data, had_strays, _CHANGED if records else _STRAYS)
+    return Bare(data, had_strays, _CHANGED if records else _STRAYS)

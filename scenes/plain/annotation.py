@@ -10,9 +10,9 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from scenes.bare_level import NOTHING, RESTORED, Bare
 from scenes.errors import LevelError
 from scenes.json_splice import Edit, Item, RawJson, Span, spliced
 from scenes.light_annotation import OWN_KEYS, Cleared, LightAnnotation, Scalar
@@ -21,8 +21,6 @@ from scenes.plain.entries import STORY
 _RECORD = "original"
 _GEOMETRY = "geometry"
 
-_NOTHING = "There was nothing to clear."
-_RESTORED = "The original is restored byte for byte."
 _CHANGED = (
     "Gnomon's annotation is removed, but another program has changed the file since it was annotated,"
     " so the bytes of the original cannot be restored."
@@ -91,26 +89,10 @@ def clear(source: bytes) -> Cleared:
     Raises:
         LevelError: It is not valid JSON.
     """
-    bare = _bare(RawJson(source))
-    return Cleared(bare.data, restored=bare.note in (_NOTHING, _RESTORED), note=bare.note)
+    return _bare(RawJson(source)).cleared()
 
 
-@dataclass(frozen=True)
-class _Bare:
-    """A lights file without anything of ours.
-
-    Attributes:
-        data: The file.
-        had_strays: Whether keys of ours without a record were taken out of it, now or earlier.
-        note: What happened, for the user.
-    """
-
-    data: bytes
-    had_strays: bool
-    note: str
-
-
-def _bare(raw: RawJson) -> _Bare:
+def _bare(raw: RawJson) -> Bare:
     edits: list[Edit] = []
     records: list[dict[str, Any]] = []
     unrecorded = False
@@ -122,15 +104,15 @@ def _bare(raw: RawJson) -> _Bare:
             records.append(record)
         unrecorded |= bool(ours) and not isinstance(record, dict)
     if not edits:
-        return _Bare(raw.text, had_strays=False, note=_NOTHING)
+        return Bare(raw.text, had_strays=False, note=NOTHING)
     if any(record.get("absent") == [_GEOMETRY] for record in records):
         geometry = raw.member(raw.root, _GEOMETRY)
         edits += raw.removing(raw.root, [geometry]) if geometry else []
     data = spliced(raw.text, edits)
     had_strays = not records or any(record.get("hadStrays") is True for record in records)
     if records and records[0].get("sha256") == hashlib.sha256(data).hexdigest():
-        return _Bare(data, had_strays, _STRAYS if had_strays else _RESTORED)
-    return _Bare(data, had_strays or unrecorded, _CHANGED if records else _STRAYS)
+        return Bare(data, had_strays, _STRAYS if had_strays else RESTORED)
+    return Bare(data, had_strays or unrecorded, _CHANGED if records else _STRAYS)
 
 
 def _lights(raw: RawJson) -> list[Span]:

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from scenes.bare_level import NOTHING, RESTORED, Bare
 from scenes.errors import LevelError
 from scenes.json_splice import Edit, spliced
 from scenes.light_annotation import OWN_KEYS, Cleared, LightAnnotation
@@ -24,8 +24,6 @@ from scenes.quake.map_text import Entity, MapText
 _RECORD = "original"
 _LONGEST_INDENT = 64
 
-_NOTHING = "There was nothing to clear."
-_RESTORED = "The original is restored byte for byte."
 _CHANGED = (
     "Gnomon's annotation is removed, but another program has changed the file since it was annotated,"
     " so the bytes of the original cannot be restored."
@@ -76,38 +74,22 @@ def clear(source: bytes) -> Cleared:
     Raises:
         LevelError: The file is no map.
     """
-    bare = _bare(parse_map(source))
-    return Cleared(bare.data, restored=bare.note in (_NOTHING, _RESTORED), note=bare.note)
+    return _bare(parse_map(source)).cleared()
 
 
-@dataclass(frozen=True)
-class _Bare:
-    """A map without anything of ours.
-
-    Attributes:
-        data: The file.
-        had_strays: Whether keys of ours without a comment were taken out of it, now or earlier.
-        note: What happened, for the user.
-    """
-
-    data: bytes
-    had_strays: bool
-    note: str
-
-
-def _bare(text: MapText) -> _Bare:
+def _bare(text: MapText) -> Bare:
     edits = list(_removals(text))
     if not edits:
-        return _Bare(text.source, had_strays=False, note=_NOTHING)
+        return Bare(text.source, had_strays=False, note=NOTHING)
     data = spliced(text.source, edits)
     records = [_record(entity) for entity in text.entities if any(map(is_ours, entity.comments))]
     had_strays = not records or any(record.get("hadStrays") is True for record in records)
     if records and records[0].get("sha256") == hashlib.sha256(data).hexdigest():
-        return _Bare(data, had_strays, _STRAYS if had_strays else _RESTORED)
+        return Bare(data, had_strays, _STRAYS if had_strays else RESTORED)
     had_strays |= any(
         _has_ours(entity) and not any(map(is_ours, entity.comments)) for entity in text.entities
     )
-    return _Bare(data, had_strays, _CHANGED if records else _STRAYS)
+    return Bare(data, had_strays, _CHANGED if records else _STRAYS)
 
 
 def _record(entity: Entity) -> dict[str, Any]:
