@@ -1,8 +1,4 @@
-"""Takes jobs, has them measured one after the other by a process that may die, and keeps what came out.
-
-A job is done when its results have been synced and have got their name; what is written into the queue
-afterwards only repeats it. So a job whose service was killed between the two is found done by the next one.
-"""
+"""Takes jobs, has them measured one after the other by a process that may die, and keeps what came out."""
 
 from __future__ import annotations
 
@@ -20,6 +16,7 @@ from typing import Any
 from starlette.concurrency import run_in_threadpool
 
 from api.service.child_process import TAKEN
+from api.service.job_ends import JobEnds, gone
 from api.service.job_folders import JobFolders
 from api.service.job_record import Progress, event_id, job_record
 from api.service.job_results import RESULTS
@@ -27,7 +24,7 @@ from api.service.job_store import JobRow, JobStore, State
 from api.service.problems import ProblemError, problem_record, unwritten
 from api.service.receiving import Upload
 from api.service.settings import Settings
-from api.service.worker import Entry, Loss, LostWorkerError, Worker
+from api.service.worker import Entry, LostWorkerError, Worker
 from api.wording import shortened
 
 START_S = 300.0
@@ -56,6 +53,7 @@ class JobDesk:
 
     def __init__(self, settings: Settings, folders: JobFolders, store: JobStore, entry: Entry) -> None:
         self._settings, self._folders, self._store, self._entry = settings, folders, store, entry
+        self._ends = JobEnds(settings.limits, folders, store)
         self._progress: dict[str, Progress] = {}
         self._changed: dict[str, set[asyncio.Event]] = {}
         self._work = asyncio.Event()
@@ -226,7 +224,7 @@ class JobDesk:
     def _recover(self) -> None:
         self._requeue_stuck(counted=True)
         self._folders.drop_unknown(row.id for row in self._store.all())
-        self._clean()
+        self._ends.clean()
 
     async def _run(self) -> None:
         pause_s, cleaned = FIRST_PAUSE_S, time.monotonic()
@@ -238,7 +236,7 @@ class JobDesk:
                 row = self._store.next()
                 if row is not None:
                     await self._measure(row)
-                    self._clean()
+                    self._ends.clean()
                 pause_s = FIRST_PAUSE_S
                 if row is not None:
                     continue
@@ -247,7 +245,7 @@ class JobDesk:
                     async with asyncio.timeout(CLEANING_S):
                         await self._work.wait()
                 if time.monotonic() - cleaned > CLEANING_S:
-                    self._clean()
+                    self._ends.clean()
                     cleaned = time.monotonic()
             except Exception as error:
                 if not isinstance(error, (LostWorkerError, sqlite3.Error, OSError)):
@@ -257,19 +255,8 @@ class JobDesk:
                 pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
 
     def _requeue_stuck(self, *, counted: bool) -> None:
-        """What seems to run while nothing does is queued again.
-
-        Its service has ended, which counts, or its end could not be written for want of room, which does not.
-        """
-        for row in self._store.all():
-            if row.state is State.RUNNING and not self._finished(row.id):
-                if row.starts >= self._settings.limits.starts:
-                    self._fail(
-                        row.id, _gave_up(f"It was begun {row.starts} times, and never came to its end.")
-                    )
-                else:
-                    self._store.requeue(row.id, crashed=False, counted=counted)
-                self._tell(row.id)
+        for job in self._ends.requeue_stuck(counted=counted):
+            self._tell(job)
 
     async def _hired(self) -> Worker:
         limits = self._settings.limits
@@ -280,7 +267,7 @@ class JobDesk:
 
     async def _measure(self, row: JobRow) -> None:
         if not self._folders.has_level(row.id, row.level):
-            self._fail(row.id, gone("The level of this job is gone from the service's folder.").record())
+            self._ends.fail(row.id, gone("The level of this job is gone from the service's folder.").record())
             self._tell(row.id)
             return
         if not self._store.begin(row.id):
@@ -291,10 +278,10 @@ class JobDesk:
         try:
             await self._heard(row)
         except LostWorkerError as error:
-            self._after_loss(row.id, error)
+            self._lose(row.id, error)
         except asyncio.CancelledError:
             # The service stops: this start was nobody's fault.
-            if not self._finished(row.id):
+            if not self._ends.finished(row.id):
                 self._store.requeue(row.id, crashed=False, counted=False)
             raise
         finally:
@@ -324,68 +311,15 @@ class JobDesk:
                 self._tell(row.id)
             elif word["kind"] == "problem":
                 texts = str(word["detail"]), str(word["known"]), str(word["remedy"])
-                self._fail(row.id, problem_record(str(word["problem"]), *texts))
+                self._ends.fail(row.id, problem_record(str(word["problem"]), *texts))
                 return
             else:
-                size = await run_in_threadpool(self._settled, row.id)
+                size = await run_in_threadpool(self._ends.settled, row.id)
                 self._store.end(row.id, State.DONE, steps=int(word["steps"]), size=size)
                 return
 
-    def _after_loss(self, job: str, error: LostWorkerError) -> None:
-        if self.row(job).state.ended or self._finished(job):
+    def _lose(self, job: str, error: LostWorkerError) -> None:
+        if self.row(job).state.ended or self._ends.finished(job):
             return
         self.lost[error.loss] += 1
-        log.warning("the measuring process was lost: %s", error.words)
-        if error.loss is Loss.TIME:
-            problem = problem_record("too-long", f"Measuring this level was given up: {error.words}.")
-            self._fail(job, problem)
-            return
-        self._store.requeue(job, crashed=True)
-        crashes, most = self.row(job).crashes, self._settings.limits.attempts
-        if crashes >= most:
-            self._fail(job, _gave_up(f"It was tried {crashes} times; the last time, {error.words}."))
-
-    def _finished(self, job: str) -> bool:
-        """Whether its results are there although nobody has said so; it is done then."""
-        if not self._folders.has_results(job):
-            return False
-        self._done(job, 0)
-        return True
-
-    def _done(self, job: str, steps: int) -> None:
-        self._store.end(job, State.DONE, steps=steps, size=self._settled(job))
-
-    def _settled(self, job: str) -> int:
-        """Keeps the results of a job only; gives their bytes."""
-        self._folders.drop_level(job)
-        return self._folders.size(job)
-
-    def _fail(self, job: str, problem: Json) -> None:
-        self._store.end(job, State.FAILED, problem=problem)
-        self._folders.drop(job)
-
-    def _clean(self) -> None:
-        """Forgets jobs that have ended: old ones, and the oldest where there is too much of them."""
-        limits = self._settings.limits
-        ended = [row for row in self._store.all() if row.state.ended]
-        kept, size = 0, 0
-        for row in sorted(ended, key=lambda one: one.finished or 0, reverse=True):
-            kept, size = kept + 1, size + row.bytes
-            old = time.time() - (row.finished or 0) > limits.kept_s
-            if old or kept > limits.kept_jobs or size > limits.kept_bytes:
-                self._store.forget(row.id)
-                self._folders.drop(row.id)
-
-
-def gone(words: str) -> ProblemError:
-    """What is said of files that somebody has removed."""
-    return ProblemError("gone", words, remedy="Send the level again.")
-
-
-def _gave_up(known: str) -> Json:
-    return problem_record(
-        "bad-level",
-        "The process that measured this level died of it.",
-        known,
-        "Please report it, with the level.",
-    )
+        self._ends.after_loss(job, error)

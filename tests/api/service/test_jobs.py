@@ -175,20 +175,27 @@ def test_events_are_taken_up_where_they_were_left(desk: Running) -> None:
 def test_followers_count_before_they_are_told_anything(desk: Running) -> None:
     job = desk.job(b"stop")
     running_job(desk, job)
-    assert desk.parts.desk.followers == 0
+    unfollowed(desk)
     ends = [desk.parts.desk.follow() for _ in range(LIMITS.streams)]
     response = desk.client.get(job["links"]["events"])
     problem(response, 503, "busy")
     for end in ends:
         end()
     with desk.client.stream("GET", job["links"]["events"]) as stream:
-        next(events(stream.iter_lines()))
+        # An iterator that nobody holds closes the connection.
+        heard = events(stream.iter_lines())
+        next(heard)
         assert desk.parts.desk.followers == 1
+    unfollowed(desk)
+    desk.client.delete(job["links"]["self"])
+
+
+def unfollowed(desk: Running) -> None:
+    """That a client has left is noticed a moment later."""
     until = time.monotonic() + PATIENCE_S
     while desk.parts.desk.followers and time.monotonic() < until:
         time.sleep(0.02)
     assert desk.parts.desk.followers == 0
-    desk.client.delete(job["links"]["self"])
 
 
 def test_words_of_progress_are_words(desk: Running) -> None:
