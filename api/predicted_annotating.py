@@ -16,7 +16,6 @@ from scenes.formats.registry import LevelFormat, format_of, read_level
 from scenes.level import Level
 from scenes.level_file import read_level_file
 from scenes.level_output import luggage, write_level
-from scenes.scene import Light
 from selector.learning.advice import annotation
 
 
@@ -66,7 +65,8 @@ class Annotating:
             OutputError: It cannot be written, or the level has changed since.
         """
         order = self.order
-        data = annotated(self._format, self._source, self.level.scene.lights, found, artifact)
+        nodes = [light.node for light in self.level.scene.lights]
+        data = annotated(self._format, self._source, nodes, found, artifact)
         if data is None:
             return ()
         if order.in_place and read_level_file(order.level) != self._source:
@@ -104,13 +104,13 @@ def annotating(order: Order) -> Annotating:
 def annotated(
     level_format: LevelFormat,
     source: bytes,
-    lights: Sequence[Light],
+    nodes: Sequence[int | None],
     found: Sequence[Predicted],
     artifact: Artifact,
 ) -> bytes | None:
     """The level file with predictions, and what it said of other lights; None where there are none."""
     advice = {
-        _node(lights[one.light]): annotation(one.prediction, one.views, artifact.card)
+        _node(nodes[one.light]): annotation(one.prediction, one.views, artifact.card)
         for one in found
         if one.prediction
     }
@@ -120,9 +120,9 @@ def annotated(
     return level_format.annotate(source, {**standing, **advice})
 
 
-def _node(light: Light) -> int:
-    assert light.node is not None, "every level format says which node carries a light"
-    return light.node
+def _node(node: int | None) -> int:
+    assert node is not None, "every level format says which node carries a light"
+    return node
 
 
 def _check_output(order: Order, source: bytes, level_format: LevelFormat) -> None:

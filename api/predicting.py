@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from api.choosing import chosen_cameras, chosen_lights, require_triangles
 from features.level_survey import LevelSurvey
@@ -12,7 +11,7 @@ from models.artifact import Artifact
 from models.examples import Question
 from renderers.registry import technique
 from scenes.level import Level
-from scenes.scene import Light, Mobility
+from scenes.scene import Mobility
 from selector.learning.predicting import Advisor, LightFacts, Prediction, Predictor, views_of
 from selector.level_measuring import STRIKES_NOTHING, seen_lights
 from selector.policy import Policy
@@ -59,25 +58,39 @@ class Predicted:
 
 
 @dataclass(frozen=True)
+class NamedLight:
+    """A light as an answer names it.
+
+    Attributes:
+        name: As in the level.
+        node: That carries it.
+        kind: Spot, point or directional.
+    """
+
+    name: str
+    node: int | None
+    kind: str
+
+
+@dataclass(frozen=True)
 class Outline:
     """What is left of a level where its geometry is no longer needed.
 
     Attributes:
-        path: Its file.
-        format: What the file holds.
+        format: What its file holds.
         digest: Of the scene.
         lights: All of them, in the level's order.
     """
 
-    path: Path
     format: str
     digest: str
-    lights: tuple[Light, ...]
+    lights: tuple[NamedLight, ...]
 
     @classmethod
     def of(cls, level: Level) -> Outline:
         """Of a level."""
-        return cls(level.path, level.format, level.scene.digest, tuple(level.scene.lights))
+        lights = (NamedLight(one.name, one.node, str(one.kind)) for one in level.scene.lights)
+        return cls(level.format, level.scene.digest, tuple(lights))
 
 
 @dataclass(frozen=True)

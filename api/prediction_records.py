@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from api.predicting import Outline, Predicted, Wish
-from api.wording import path_words
+from api.predicting import NamedLight, Outline, Predicted, Wish
 from models.artifact import Artifact
-from scenes.scene import Light
 from selector.learning.predicting import Expected, Prediction, reason
 
 Json = dict[str, Any]
 
 
-def level_record(level: Outline, artifact: Artifact, wish: Wish, found: Sequence[Predicted]) -> Json:
-    """All answers for a level as JSON values."""
+def level_record(
+    name: str, level: Outline, artifact: Artifact, wish: Wish, found: Sequence[Predicted]
+) -> Json:
+    """All answers for a level as JSON values; `name` is what it is called."""
     return {
-        "level": path_words(level.path),
+        "level": name,
         "digest": level.digest,
         "format": level.format,
         "model": {
@@ -32,9 +32,10 @@ def level_record(level: Outline, artifact: Artifact, wish: Wish, found: Sequence
     }
 
 
-def prediction_record(light: Light, one: Predicted) -> Json:
+def prediction_record(light: NamedLight, one: Predicted) -> Json:
     """An answer as JSON values."""
-    record: Json = {"light": light.name, "index": one.light, "node": light.node, "problem": one.problem}
+    named = {"light": light.name, "index": one.light, "node": light.node, "kind": light.kind}
+    record: Json = {**named, "problem": one.problem}
     found = one.prediction
     if found is None:
         return record

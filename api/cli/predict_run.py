@@ -111,7 +111,9 @@ def _print(
     say: Callable[[Console], None] | None = None,
 ) -> None:
     if as_json:
-        print_json(level_record(Outline.of(level), artifact, wish, found) | (more or {}))
+        print_json(
+            level_record(path_words(level.path), Outline.of(level), artifact, wish, found) | (more or {})
+        )
     else:
         print_predictions(results(), level, found)
         if say:

@@ -125,6 +125,7 @@ class LightAnswer:
     light: str
     index: int
     node: int | None
+    kind: str
     problem: str
     recommendation: Recommendation | None = None
 

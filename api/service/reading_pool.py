@@ -10,6 +10,7 @@ from typing import Any
 from api.service.child_process import TAKEN, out_of_memory
 from api.service.problems import KINDS, ProblemError
 from api.service.settings import Limits, Settings
+from api.service.state_folder import MEMORY, empty_memory
 from api.service.worker import Entry, Loss, LostWorkerError, Worker
 
 START_S = 120.0
@@ -35,17 +36,22 @@ class ReadingPool:
 
     def __init__(self, settings: Settings, entry: Entry) -> None:
         self._settings, self._entry = settings, entry
-        # The last one that has answered comes first: it remembers the level that it was asked about.
         # None wakes those who wait in vain.
-        self._free: asyncio.LifoQueue[tuple[Worker, int] | None] = asyncio.LifoQueue()
+        self._free: asyncio.Queue[tuple[Worker, int] | None] = asyncio.Queue()
         self._hiring: set[asyncio.Task[None]] = set()
         self._all: set[Worker] = set()
         self._waiting = 0
         self._unfit: ProblemError | None = None
+        self._memory = settings.state / MEMORY
         self.lost: Counter[str] = Counter()
 
     def start(self) -> None:
-        """Starts them; they are ready a second or two later."""
+        """Starts them; they are ready a second or two later.
+
+        Raises:
+            OSError: The folder for what they remember cannot be made.
+        """
+        self._memory = empty_memory(self._settings.state)
         for _ in range(self._settings.readers):
             self._hire()
 
@@ -61,10 +67,8 @@ class ReadingPool:
     @property
     def problem(self) -> ProblemError | None:
         """Why no level can be read now; None where one can."""
-        if self._unfit is not None:
-            return self._unfit
         if not self._all:
-            return ProblemError(
+            return self._unfit or ProblemError(
                 "not-ready", "No process that reads levels is up yet.", headers={"Retry-After": "2"}
             )
         return None
@@ -82,7 +86,7 @@ class ReadingPool:
         Raises:
             ProblemError: The level is bad, or took its process along; all are busy, or cannot work.
         """
-        if self._unfit is not None:
+        if self._unfit is not None and not self._all:
             raise self._unfit
         for _ in range(MOST_TRIES):
             worker, answers = await self._taken()
@@ -126,20 +130,21 @@ class ReadingPool:
         self._waiting += 1
         try:
             async with asyncio.timeout(self._limits.waiting_s):
-                taken = await self._free.get()
-                while taken is not None and not taken[0].alive:
-                    # It was killed while it had nothing to do.
-                    self.lost[Loss.CRASH] += 1
-                    self._return(*taken)
+                while True:
                     taken = await self._free.get()
+                    if taken is None:
+                        if self._unfit is not None and not self._all:
+                            raise self._unfit
+                    elif taken[0].alive:
+                        return taken
+                    else:
+                        # It was killed while it had nothing to do.
+                        self.lost[Loss.CRASH] += 1
+                        self._return(*taken)
         except TimeoutError:
             raise busy from None
         finally:
             self._waiting -= 1
-        if taken is None:
-            assert self._unfit is not None
-            raise self._unfit
-        return taken
 
     def _return(self, worker: Worker, answers: int) -> None:
         if worker.alive and answers < MOST_ANSWERS and worker.own_bytes < self._limits.reading_bytes / 2:
@@ -158,7 +163,8 @@ class ReadingPool:
         pause_s = FIRST_PAUSE_S
         while True:
             limits = self._limits
-            arguments = (str(self._settings.model), limits.reading_bytes, limits.reading_s)
+            places = str(self._settings.model), str(self._memory)
+            arguments = (*places, limits.reading_bytes, limits.reading_s)
             worker = Worker(self._entry, arguments, limits.reading_bytes)
             try:
                 word = await worker.heard(START_S)
@@ -166,14 +172,15 @@ class ReadingPool:
                 log.warning("a reading process did not start: %s", error.words)
             else:
                 if word["kind"] == "ready":
+                    self._unfit = None
                     self._all.add(worker)
                     self._free.put_nowait((worker, 0))
                     return
                 worker.end()
                 self._unfit = _problem(word)
+                log.warning("a reading process cannot work: %s", self._unfit.detail)
                 for _ in range(self._waiting):
                     self._free.put_nowait(None)
-                return
             await asyncio.sleep(pause_s)
             pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
 

@@ -34,13 +34,13 @@ MOST_TRIANGLES, MOST_LIGHTS, MOST_FILES = "triangles", "lights", "parts"
 Json = dict[str, Any]
 
 
-def enter(pipe: Connection, parent: int, model: str, memory_bytes: int, seconds: float) -> None:
+def enter(pipe: Connection, parent: int, model: str, memory: str, memory_bytes: int, seconds: float) -> None:
     """Runs in the process."""
-    work_through(pipe, parent, memory_bytes, seconds, lambda: _reader(Path(model)))
+    work_through(pipe, parent, memory_bytes, seconds, lambda: _reader(Path(model), Path(memory)))
 
 
-def _reader(model: Path) -> Work:
-    reader = _Reader(load(model))
+def _reader(model: Path, memory: Path) -> Work:
+    reader = _Reader(load(model), memory)
 
     def work(request: Json, say: Say) -> Json:
         del say
@@ -86,14 +86,13 @@ class _Asked:
 class _Reader:
     """Answers, and remembers the last levels."""
 
-    def __init__(self, artifact: Artifact) -> None:
+    def __init__(self, artifact: Artifact, memory: Path) -> None:
         self._artifact = artifact
-        self._memory = LevelMemory()
+        self._memory = LevelMemory(memory, artifact)
 
     def predict(self, asked: _Asked) -> Json:
         level, found = self._predicted(asked)
-        record = level_record(level, self._artifact, wish_of(asked.options), found)
-        record["level"] = asked.ready.path.name
+        record = level_record(asked.ready.path.name, level, self._artifact, wish_of(asked.options), found)
         text = json.dumps(record, allow_nan=False, separators=(",", ":"))
         (asked.upload / ANSWER).write_text(text, encoding="ascii")
         return {"file": ANSWER}
@@ -101,7 +100,8 @@ class _Reader:
     def annotate(self, asked: _Asked) -> Json:
         level, found = self._predicted(asked)
         path = asked.ready.path
-        data = annotated(format_of(path), read_level_file(path), level.lights, found, self._artifact)
+        nodes = [light.node for light in level.lights]
+        data = annotated(format_of(path), read_level_file(path), nodes, found, self._artifact)
         if data is None:
             raise _no_answers(asked.ready, found)
         (asked.upload / ANNOTATED).write_bytes(data)

@@ -89,9 +89,7 @@ class Reception:
                 "Bodies that are compressed on the way are not read.",
                 known=f"This is {shortened(coding, 100)}.",
             )
-        if self._taken >= self._limits.uploads:
-            raise ProblemError("busy", "Too many levels come in at once.", headers={"Retry-After": "5"})
-        self._taken += 1
+        await self._slot()
         folder = self._folder / secrets.token_hex(16)
         try:
             yield await self._received(request, folder, kind)
@@ -100,7 +98,7 @@ class Reception:
                 raise
             raise no_room() from None
         finally:
-            # The answer does not wait for it; the next upload does, where there are too many.
+            # The answer does not wait for it.
             task = asyncio.get_running_loop().create_task(self._removed(folder))
             self._cleaning.add(task)
             task.add_done_callback(self._cleaning.discard)
@@ -108,6 +106,14 @@ class Reception:
     async def stop(self) -> None:
         """Ends when nothing is being removed any more."""
         await asyncio.gather(*self._cleaning, return_exceptions=True)
+
+    async def _slot(self) -> None:
+        """Waits only for what is being removed: that has been answered already."""
+        while self._taken >= self._limits.uploads:
+            if not self._cleaning:
+                raise ProblemError("busy", "Too many levels come in at once.", headers={"Retry-After": "5"})
+            await asyncio.wait(self._cleaning, return_when=asyncio.FIRST_COMPLETED)
+        self._taken += 1
 
     async def _removed(self, folder: Path) -> None:
         try:

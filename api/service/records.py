@@ -10,6 +10,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 SettingValue = str | int | float | bool
+Kind = Literal["spot", "point", "directional"]
 
 
 class Problem(BaseModel):
@@ -124,6 +125,7 @@ class LightRecommendation(Recommendation):
     light: str
     index: int
     node: int | None
+    kind: Kind
     problem: Literal[""]
 
 
@@ -135,6 +137,7 @@ class LightWithout(BaseModel):
     light: str
     index: int
     node: int | None
+    kind: Kind
     problem: str = Field(min_length=1, description="Why.")
 
 

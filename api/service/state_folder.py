@@ -11,9 +11,10 @@ from api.service.job_store import FILE, JOBS, JobStoreError
 from api.service.problems import ProblemError
 from api.service.settings import MEBIBYTE
 
-INCOMING, LOCK = "incoming", "lock"
+INCOMING, MEMORY, LOCK = "incoming", "memory", "lock"
 MOST_SHOWN = 5
 JOB_NAME, UPLOAD_NAME = re.compile(r"[A-Za-z0-9_-]{32}"), re.compile(r"[0-9a-f]{32}")
+MEMORY_NAME = re.compile(r"\.?[0-9a-f]{64}\.json.*")
 
 
 def check_is_ours(state: Path) -> None:
@@ -26,7 +27,7 @@ def check_is_ours(state: Path) -> None:
     if not state.exists():
         return
     names = {path.name for path in state.iterdir()}
-    for name in (JOBS, INCOMING):
+    for name in (JOBS, INCOMING, MEMORY):
         path = state / name
         if name in names and (path.is_symlink() or not path.is_dir()):
             raise JobStoreError(
@@ -37,17 +38,34 @@ def check_is_ours(state: Path) -> None:
             )
     if FILE in names:
         return
-    strange = sorted(names - {JOBS, INCOMING, LOCK})
-    for name in (JOBS, INCOMING):
+    strange = sorted(names - {JOBS, INCOMING, MEMORY, LOCK})
+    for name in (JOBS, INCOMING, MEMORY):
         if name in names:
             strange += sorted(f"{name}/{path.name}" for path in (state / name).iterdir())
     if strange:
         raise _not_ours(state, strange)
 
 
+def empty_memory(state: Path) -> Path:
+    """A folder for what readers remember, without what those of an earlier service have remembered.
+
+    Raises:
+        OSError: It cannot be made or read.
+    """
+    folder = state / MEMORY
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    for path in list(folder.iterdir()):
+        if MEMORY_NAME.fullmatch(path.name):
+            path.unlink()
+    return folder
+
+
 def shortage(state: Path, wanted_bytes: int) -> ProblemError | None:
     """What to say where the folder's disk has less room than that; None where it has enough."""
-    free_bytes = shutil.disk_usage(state).free
+    try:
+        free_bytes = shutil.disk_usage(state).free
+    except OSError as error:
+        return ProblemError("not-ready", f"The folder of the service cannot be used: {error.strerror}.")
     if free_bytes >= wanted_bytes:
         return None
     free, wanted = (f"{count // MEBIBYTE:,} MiB" for count in (free_bytes, wanted_bytes))

@@ -6,6 +6,8 @@ import { candidate, settingsMeaning } from "./words.js";
 const LIKELY = 0.5;
 const ROUNDING_PX = 0.01;
 const CLOSE_CALL = 0.6;
+// As in selector/recommendation.py.
+const SHORT_EDGE_PX = 64;
 
 const nameOf = (one) => candidate(one.technique, one.settings);
 const measuredName = (one) => candidate(one.label, one.settings);
@@ -17,7 +19,7 @@ function edge(label, error) {
 function predictedCandidate(one, chosen) {
   return {
     technique: one.technique, name: nameOf(one), meaning: settingsMeaning(one.settings), chosen,
-    ms: one.shadow_ms, msRange: one.shadow_ms_range, px: edge(one.technique, one.edge_error_px), pxRange: one.edge_error_px_range,
+    ms: one.shadow_ms, msRange: one.shadow_ms_range, px: edge(one.technique, one.edge_error_px), off: one.edge_error_px, pxRange: one.edge_error_px_range,
     keeps: one.keeps_limit, failure: "",
   };
 }
@@ -36,15 +38,23 @@ function predictedAnswer(light) {
   };
 }
 
-function measuredAnswer(light, limit) {
+// What candidates are sorted by: pixels of displacement, or what stands for them where the edge is short.
+function off({ px, wrong }, pixels) {
+  return px ?? (wrong * pixels) / SHORT_EDGE_PX;
+}
+
+function measuredAnswer(light, limit, pixels) {
   if (!light.chosen) return { source: "measured", problem: light.problem };
   const candidates = light.candidates.map((one) => ({
     technique: one.label, name: measuredName(one), meaning: settingsMeaning(one.settings), chosen: measuredName(one) === measuredName(light.chosen),
     ms: one.shadow_ms, px: edge(one.label, one.edge_error_px), wrong: one.wrong_share ?? 0, failure: one.status === "ok" ? "" : one.reason || one.status.replaceAll("_", " "),
   }));
+  // Too little of an edge to say by how many pixels it is off, or none at all.
+  const edgeSeen = candidates.some((one) => one.px !== null || one.wrong > 0);
+  for (const one of candidates) Object.assign(one, { edgeSeen, off: off(one, pixels) });
   return {
     source: "measured", problem: "", mobility: light.mobility, limit,
-    chosen: candidates.find((one) => one.chosen), candidates: candidates.filter((one) => !one.failure),
+    chosen: candidates.find((one) => one.chosen), candidates: candidates.filter((one) => !one.failure), edgeSeen,
     runnerUp: light.runner_up && candidates.find((one) => one.name === measuredName(light.runner_up)),
     confidence: light.confidence, reason: light.reason, within: light.within_limit,
     refused: candidates.filter((one) => one.failure).map((one) => ({ technique: one.technique, name: one.name, reason: one.failure })),
@@ -52,19 +62,16 @@ function measuredAnswer(light, limit) {
   };
 }
 
-function kindOf(features = {}) {
-  return ["spot", "point", "directional"].find((kind) => features[`is_${kind}`] > LIKELY) ?? "";
-}
-
 // Lights by node, as in the level; either side may be missing.
 export function lightsOf(predicted, measured) {
   const found = new Map();
+  const [width, height] = measured?.resolution ?? [0, 0];
   for (const light of predicted?.lights ?? []) {
-    found.set(light.node, { node: light.node, name: light.light, kind: kindOf(light.features), predicted: predictedAnswer(light) });
+    found.set(light.node, { node: light.node, name: light.light, kind: light.kind, predicted: predictedAnswer(light) });
   }
   for (const light of measured?.lights ?? []) {
     const before = found.get(light.node) ?? { node: light.node, name: light.name };
-    found.set(light.node, { ...before, kind: light.kind, measured: measuredAnswer(light, measured.max_edge_error_px) });
+    found.set(light.node, { ...before, kind: light.kind, measured: measuredAnswer(light, measured.max_edge_error_px, width * height) });
   }
   return [...found.values()];
 }

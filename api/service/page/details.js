@@ -3,7 +3,7 @@
 import { closeCall, isCloseCall } from "./answers.js";
 import { html, mark, techniqueSummary, techniqueTitle } from "./elements.js";
 import { plot } from "./plot.js";
-import { counted, listed, ms, percent, plainly, px, range } from "./words.js";
+import { counted, listed, ms, offWords, percent, plainly, range } from "./words.js";
 
 let meanings = new Map();
 
@@ -52,7 +52,7 @@ function warning({ outside }) {
 function rivals(light, answer) {
   const found = [];
   const add = (term, one) => {
-    if (one) found.push(html("div", {}, html("dt", {}, term), html("dd", {}, html("span", { class: "name", title: one.meaning || null }, mark(one.technique), one.name), ` ${ms(one.ms)}, ${px(one.px)}`)));
+    if (one) found.push(html("div", {}, html("dt", {}, term), html("dd", {}, html("span", { class: "name", title: one.meaning || null }, mark(one.technique), one.name), ` ${ms(one.ms)}, ${offWords(one)}`)));
   };
   add("Choice", answer.chosen);
   found[0].append(html("dd", { class: "under" }, about(answer.chosen)));
@@ -86,12 +86,12 @@ function refused(answer) {
 function everyCandidate(answer) {
   const predicted = answer.source === "predicted";
   const sorted = [...answer.candidates].sort((one, other) => one.ms - other.ms);
-  const over = (one) => one.px !== null && one.px > answer.limit;
+  const over = (one) => one.off !== null && one.off > answer.limit;
   const rows = sorted.map((one) => html("tr", { "data-key": one.name, class: one.chosen ? "chosen" : "" },
     html("th", { scope: "row", title: one.meaning || null }, mark(one.technique), one.name),
     html("td", { class: "number" }, ms(one.ms)),
     predicted ? html("td", { class: "number soft" }, range(one.msRange, "ms")) : null,
-    html("td", { class: over(one) ? "number over" : "number" }, px(one.px)),
+    html("td", { class: over(one) ? "number over" : "number" }, offWords(one)),
     predicted ? html("td", { class: "number" }, percent(one.keeps)) : null));
   const head = ["Candidate", "Time", ...(predicted ? ["Range"] : []), "Edge off", ...(predicted ? ["Keeps the limit"] : [])];
   const table = html("table", { class: "candidates" },

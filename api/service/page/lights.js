@@ -4,7 +4,7 @@ import { closeCall, differences, isCloseCall, lightsOf, verdict } from "./answer
 import { at, badge, breakable, html, mark, meter, techniqueTitle } from "./elements.js";
 import { details } from "./details.js";
 import { forgetOrder, header, keepInOrder } from "./order.js";
-import { counted, ms, percent, px, range, sentence, wrongShare } from "./words.js";
+import { counted, ms, offWords, percent, range, sentence } from "./words.js";
 
 const COLUMNS = ["Light", "Use", "Shadow time", "Edge off", "Confidence", "Why"];
 const NUMBERS = new Set(["Shadow time", "Edge off", "Confidence"]);
@@ -21,18 +21,26 @@ export function forgetRows() {
 export function showLights(predicted, measured) {
   const lights = lightsOf(predicted, measured);
   const unlike = predicted && measured ? differences(predicted, measured, lights) : [];
-  const head = COLUMNS.map((name) => header(name, NUMBERS.has(name) ? "number" : ""));
+  const head = COLUMNS.map((name) => header(name, NUMBERS.has(name) ? "number" : name === "Why" ? "why-head" : ""));
   const table = html("table", { class: measured && predicted ? "lights both" : "lights", role: "table", "aria-label": "Lights" },
     html("thead", { role: "rowgroup" }, html("tr", { role: "row" }, ...head)),
     ...lights.map((light) => group(light, unlike.length === 0)));
   const focused = document.activeElement?.closest?.("[data-node]")?.dataset.node;
+  const column = document.activeElement?.closest?.("[data-column]")?.dataset.column;
   at("lights").replaceChildren(table);
-  keepInOrder(table, lights);
+  keepInOrder(table, lights, () => nameExpand(table));
   if (focused !== undefined) table.querySelector(`[data-node="${focused}"] .opens`)?.focus();
+  if (column !== undefined) table.querySelector(`[data-column="${column}"] .sort`)?.focus();
   before = new Map(lights.map((light) => [light.node, light.predicted?.chosen?.name]));
-  at("expand").textContent = open.size > 0 ? "Close all" : "Open all";
-  at("expand").onclick = () => all(table, open.size === 0);
+  at("expand").onclick = () => all(table, !opened(table));
   return { lights, unlike };
+}
+
+// Of the lights that are shown.
+const opened = (table) => table.querySelector("tbody.open:not([hidden])") !== null;
+
+function nameExpand(table) {
+  at("expand").textContent = opened(table) ? "Close all" : "Open all";
 }
 
 function all(table, wanted) {
@@ -53,13 +61,15 @@ function group(light, comparable) {
   const behind = html("tr", { role: "row", class: "behind", id, hidden: true }, html("td", { role: "cell", colspan: COLUMNS.length }));
   const changed = light.predicted?.chosen && before.has(light.node) && before.get(light.node) !== light.predicted.chosen.name;
   const body = html("tbody", { role: "rowgroup", "data-node": key, class: changed ? "changed" : "" }, ...rows, behind);
+  // Once is enough: a row that is sorted anew would light up again.
+  body.addEventListener("animationend", () => body.classList.remove("changed"));
   const turn = (wanted) => {
     button.setAttribute("aria-expanded", String(wanted));
     behind.hidden = !wanted;
     body.classList.toggle("open", wanted);
     if (wanted) open.add(key); else open.delete(key);
     behind.firstChild.replaceChildren(...(wanted ? [details(light)] : []));
-    at("expand").textContent = open.size > 0 ? "Close all" : "Open all";
+    if (body.parentElement) nameExpand(body.parentElement);
   };
   button.addEventListener("click", () => turn(behind.hidden));
   for (const one of rows) {
@@ -82,7 +92,7 @@ function row(light, answer, name, comparable) {
   return html("tr", attributes, name,
     cell("Use", [html("span", { class: "name", title: chosen.meaning || null }, mark(chosen.technique), chosen.name), html("span", { class: "under" }, both ? answer.source : techniqueTitle(chosen.technique), badges(light, answer, comparable))], "use"),
     cell("Shadow time", figure(ms(chosen.ms), chosen.msRange && range(chosen.msRange, "ms")), "number"),
-    cell("Edge off", figure(px(chosen.px), belowEdge(chosen)), answer.within ? "number" : "number over"),
+    cell("Edge off", figure(offWords(chosen), belowEdge(chosen)), answer.within ? "number" : "number over"),
     cell("Confidence", confidence(answer), "number"),
     cell("Why", html("span", { class: "brief" }, measured ? answer.reason : why(answer)), "why"));
 }
@@ -91,9 +101,9 @@ function cell(label, content, kind, more = {}) {
   return html("td", { role: "cell", class: kind, "data-label": label, ...more }, ...[content].flat());
 }
 
-function belowEdge({ px: edge, pxRange, wrong }) {
+function belowEdge({ px: edge, pxRange, edgeSeen }) {
   if (pxRange) return range(pxRange, "px");
-  return edge === null && wrong > 0 ? wrongShare(wrong) : "";
+  return edge === null && edgeSeen ? html("span", { class: "hint", title: "The views show too little of this shadow's edge to say by how many pixels it is off." }, "short edge") : "";
 }
 
 function figure(value, below) {

@@ -1,7 +1,8 @@
 // In which order the lights stand, and which of them: as in the level, until a person wants it otherwise.
 
-import { at, html, show } from "./elements.js";
-import { counted } from "./words.js";
+import { isCloseCall } from "./answers.js";
+import { at, html, show, techniqueTitle } from "./elements.js";
+import { counted, offWords } from "./words.js";
 
 const FEWEST_TO_SEARCH = 8;
 
@@ -12,7 +13,7 @@ const COLUMNS = new Map([
   ["Light", { value: (light) => light.name.toLowerCase(), first: 1 }],
   ["Use", { value: (light) => best(light)?.chosen?.name, first: 1 }],
   ["Shadow time", { value: (light) => best(light)?.chosen?.ms, first: -1 }],
-  ["Edge off", { value: (light) => best(light)?.chosen?.px, first: -1 }],
+  ["Edge off", { value: (light) => best(light)?.chosen?.off, first: -1 }],
   ["Confidence", { value: (light) => best(light)?.confidence, first: 1 }],
 ]);
 
@@ -34,21 +35,24 @@ export function header(name, kind) {
 }
 
 // Makes a table follow what is wanted, at once and whenever that changes.
-export function keepInOrder(table, lights) {
+export function keepInOrder(table, lights, arranged) {
   const groups = lights.map((light) => ({ light, body: table.querySelector(`[data-node="${light.node}"]`), text: wordsOf(light) }));
   for (const button of table.querySelectorAll(".sort")) {
     button.addEventListener("click", () => {
       turn(button.parentElement.dataset.column);
       arrange(table, groups);
+      arranged();
       at("status").textContent = column ? `Sorted by ${column.toLowerCase()}, ${direction > 0 ? "ascending" : "descending"}.` : "Sorted as in the level.";
     });
   }
   at("find").oninput = () => {
-    words = at("find").value.toLowerCase().split(/\s+/).filter(Boolean);
+    words = at("find").value.normalize().toLowerCase().split(/\s+/).filter(Boolean);
     arrange(table, groups);
+    arranged();
   };
   show(at("search"), lights.length >= FEWEST_TO_SEARCH);
   arrange(table, groups);
+  arranged();
 }
 
 function turn(name) {
@@ -61,9 +65,12 @@ function turn(name) {
 // A word may stand anywhere in a name, but only begin what is said of a light: 12 is no part of 512.
 function wordsOf({ name, kind, predicted, measured }) {
   const answers = [predicted, measured].filter(Boolean);
-  const said = answers.flatMap((one) => [one.mobility, one.chosen?.name, one.problem, one.chosen && !one.within ? "over the limit" : "", one.outside?.length > 0 ? "unusual" : ""]);
+  const said = answers.flatMap((one) => (one.chosen ? [
+    one.mobility, one.chosen.name, techniqueTitle(one.chosen.technique), offWords(one.chosen),
+    one.within ? "" : "over the limit", one.outside.length > 0 ? "unusual" : "", isCloseCall(one) ? "close call" : "",
+  ] : [one.problem, "no answer"]));
   const parts = [kind, ...said].filter(Boolean).join(" ").toLowerCase().split(/\s+/);
-  return { name: name.toLowerCase(), parts };
+  return { name: name.normalize().toLowerCase(), parts };
 }
 
 function holds({ name, parts }, word) {
@@ -77,14 +84,16 @@ function arrange(table, groups) {
     if (sorted) head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
     else head.removeAttribute("aria-sort");
   }
-  table.append(...inOrder(groups).map(({ body }) => body));
+  // Moving hundreds of rows takes a tenth of a second, which nobody waits for at every key.
+  const bodies = inOrder(groups).map(({ body }) => body);
+  if (bodies.some((body, index) => table.tBodies[index] !== body)) table.append(...bodies);
   let left = 0;
   for (const { body, text } of groups) {
     const wanted = words.every((word) => holds(text, word));
     show(body, wanted);
     if (wanted) left += 1;
   }
-  at("found").textContent = words.length > 0 ? `${left.toLocaleString("en")} of ${counted(groups.length, "light")}` : "";
+  at("found").textContent = words.length > 0 ? `${left === 0 ? "none" : left.toLocaleString("en")} of ${counted(groups.length, "light")}` : "";
 }
 
 function inOrder(groups) {

@@ -13,6 +13,8 @@ const ROOM = 1.4;
 const LEAST_SPAN = 4;
 const MANY_STEPS = 3000;
 const LETTER = 6.4;
+const NONE = "No view shows an edge of this light's shadow, so only times tell candidates apart.";
+const SHORT = "The views show too little of this shadow's edge to say by how many pixels it is off, so nothing is drawn. The table tells how much of the picture each candidate gets wrong.";
 
 function axis(values, start, end) {
   let [low, high] = [Math.min(...values) / ROOM, Math.max(...values) * ROOM];
@@ -30,7 +32,7 @@ function axis(values, start, end) {
 
 export function plot(answer) {
   const points = answer.candidates.filter((one) => one.px !== null && one.ms !== null);
-  if (points.length === 0) return html("p", { class: "note" }, "No view shows an edge of this light's shadow, so only times tell candidates apart.");
+  if (points.length === 0) return html("p", { class: "note" }, answer.edgeSeen ? SHORT : NONE);
   const lane = BOTTOM - LANE;
   const shown = [...points.map((one) => one.px), answer.limit].filter((one) => one >= LEAST_PX);
   const across = axis(points.map((one) => Math.max(one.ms, LEAST_MS)), LEFT, RIGHT);

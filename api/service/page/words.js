@@ -16,9 +16,11 @@ export function px(value) {
   return value < LEAST_PX ? `< ${LEAST_PX} px` : `${digits(value)} px`;
 }
 
-// What is wrong where no edge is long enough to be off.
-export function wrongShare(share) {
-  const value = Number((100 * share).toPrecision(2));
+// How far a candidate's edge is off; where too little of it is seen, how much of the picture is wrong.
+export function offWords({ px: edge, wrong, edgeSeen }) {
+  if (edge !== null || !edgeSeen) return px(edge);
+  if (!wrong) return "none wrong";
+  const value = Number((100 * wrong).toPrecision(2));
   return value < 0.001 ? "< 0.001 % wrong" : `${value} % wrong`;
 }
 

@@ -24,7 +24,13 @@ def node_service(*, problem: str = "") -> Iterator[Scripted]:
         for index, node in sorted(light_nodes(asked.body).items()):
             if wanted and f"node:{index}" not in wanted:
                 continue
-            named = {"light": node["name"], "index": len(lights), "node": index, "problem": problem}
+            named = {
+                "light": node["name"],
+                "index": len(lights),
+                "node": index,
+                "kind": "spot",
+                "problem": problem,
+            }
             more = {"shadow_ms": float(index + 1), "reason": f"This is {node['name']}."}
             lights.append(named if problem else {**named, **RECOMMENDATION, **more})
         connection.sendall(json_answer({**LEVEL, "lights": lights}))

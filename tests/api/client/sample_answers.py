@@ -41,8 +41,14 @@ LEVEL: dict[str, Any] = {
     "policy": "balanced",
     "max_edge_error_px": 1.5,
     "lights": [
-        {"light": "Lamp", "index": 0, "node": 3, "problem": "", **RECOMMENDATION},
-        {"light": "Dark", "index": 1, "node": 4, "problem": "It lights nothing that a camera sees."},
+        {"light": "Lamp", "index": 0, "node": 3, "kind": "spot", "problem": "", **RECOMMENDATION},
+        {
+            "light": "Dark",
+            "index": 1,
+            "node": 4,
+            "kind": "point",
+            "problem": "No camera sees it.",
+        },
     ],
 }
 JOB: dict[str, Any] = {

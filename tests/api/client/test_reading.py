@@ -32,7 +32,7 @@ def places(value: Any) -> list[tuple[Any, Any]]:
 def test_a_level_s_answer_has_types() -> None:
     lamp, dark = record(LevelAnswer, LEVEL).lights
     assert (lamp.node, lamp.problem, dark.recommendation) == (3, "", None)
-    assert dark.problem == "It lights nothing that a camera sees."
+    assert dark.problem == "No camera sees it."
     assert lamp.recommendation is not None
     assert lamp.recommendation.settings == {"map_size": 512, "filter": "2x2", "focus": "light"}
     assert lamp.recommendation.shadow_ms_range == (1.0, 2.0)

@@ -23,13 +23,13 @@ FINISHES = "finishes.log"
 Json = dict[str, Any]
 
 
-def read(pipe: Connection, parent: int, model: str, memory_bytes: int, seconds: float) -> None:
-    del model
+def read(pipe: Connection, parent: int, model: str, memory: str, memory_bytes: int, seconds: float) -> None:
+    del model, memory
     work_through(pipe, parent, memory_bytes, seconds, lambda: _read)
 
 
-def refuse(pipe: Connection, parent: int, model: str, memory_bytes: int, seconds: float) -> None:
-    del model
+def refuse(pipe: Connection, parent: int, model: str, memory: str, memory_bytes: int, seconds: float) -> None:
+    del model, memory
 
     def prepare() -> Any:
         raise LevelError("There is no model.", remedy="Make one.")

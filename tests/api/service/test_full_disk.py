@@ -61,6 +61,12 @@ def test_a_disk_without_room_for_a_level_is_told(
     found = problem(service.client.get("/readyz"), 503, "not-ready")
     assert "room: The disk has 3 MiB left, and one level may take 256 MiB." in found["detail"]
     assert "--state" in found["remedy"]
+    monkeypatch.undo()
+    away = service.parts.settings.state.rename(tmp_path / "away")
+    try:
+        assert "room: The folder" in problem(service.client.get("/readyz"), 503, "not-ready")["detail"]
+    finally:
+        away.rename(service.parts.settings.state)
 
 
 def test_an_end_that_could_not_be_written_is_written_later(service: Running) -> None:

@@ -15,6 +15,7 @@ from api.service.application import Entries
 from api.service.settings import Limits, Settings
 from tests.api.service import strange_workers
 from tests.api.service.running_service import PATIENCE_S, Running, problem, record, running
+from tests.small_level import small_level
 
 LIMITS = replace(Limits(), reading_s=1.0, reading_bytes=400 << 20, waiting_s=200.0, uploads=4)
 STRANGE = Entries(strange_workers.read, strange_workers.measure)
@@ -42,15 +43,6 @@ def reader(strange: Running) -> int:
 
 def test_a_reader_answers_again_and_again(strange: Running) -> None:
     assert reader(strange) == reader(strange)
-
-
-def test_the_reader_that_remembers_the_level_is_asked_first(tmp_path: Path) -> None:
-    with running(Settings(state=tmp_path, readers=2, limits=LIMITS), STRANGE) as up:
-        until = time.monotonic() + PATIENCE_S
-        while len(up.parts.pool.pids) < 2 and time.monotonic() < until:
-            time.sleep(0.01)
-        reader(up)
-        assert len({reader(up) for _ in range(6)}) == 1
 
 
 @pytest.mark.parametrize(
@@ -160,3 +152,28 @@ def test_no_process_outlives_the_service(tmp_path: Path) -> None:
     with running(Settings(state=tmp_path, readers=2, limits=LIMITS), STRANGE) as up:
         pids = {reader(up) for _ in range(3)} | set(up.parts.pool.pids)
     assert not [pid for pid in pids if psutil.pid_exists(pid)]
+
+
+def test_a_model_that_can_be_read_again_is_read_again(tmp_path: Path, model: Path) -> None:
+    path = tmp_path / "kept.model"
+    path.write_bytes(model.read_bytes())
+    level = small_level(tmp_path).read_bytes()
+    with running(Settings(state=tmp_path / "state", model=path, readers=2)) as up:
+        until = time.monotonic() + PATIENCE_S
+        while len(up.parts.pool.pids) < 2 and time.monotonic() < until:
+            time.sleep(0.02)
+        path.write_bytes(b"junk")
+        one, other = up.parts.pool.pids
+        os.kill(one, signal.SIGKILL)
+        # The other one goes on.
+        assert [up.level(level).status_code for _ in range(3)] == [200] * 3
+        assert up.client.get("/readyz").status_code == 200
+        os.kill(other, signal.SIGKILL)
+        while up.client.get("/readyz").status_code == 200 and time.monotonic() < until:
+            up.level(level)
+        assert "model" in problem(up.level(level), 503, "not-ready")["detail"]
+        path.write_bytes(model.read_bytes())
+        while up.level(level).status_code != 200 and time.monotonic() < until:
+            time.sleep(0.1)
+        assert up.level(level).status_code == 200
+        assert up.client.get("/readyz").status_code == 200

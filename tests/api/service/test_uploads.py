@@ -362,6 +362,19 @@ def test_the_answer_does_not_wait_until_all_is_removed(
         may_end.set()
 
 
+def test_what_is_being_removed_is_waited_for(service: Running, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A client that sends one level after the other is never told that too many come in at once."""
+    remove = shutil.rmtree
+
+    def slow(*arguments: Any, **options: Any) -> None:
+        time.sleep(0.2)
+        remove(*arguments, **options)
+
+    monkeypatch.setattr("api.service.receiving.shutil.rmtree", slow)
+    for _ in range(3 * LIMITS.uploads):
+        problem(service.level(b"broken"), 422, "bad-level")
+
+
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
