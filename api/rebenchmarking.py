@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
@@ -17,8 +17,8 @@ from api.benchmarking import Request as BenchmarkRequest
 from api.benchmarking import benchmarks, found_sources
 from api.rebenchmark_model import Fitting, judged_model, previous_digest
 from api.rebenchmark_page import page_bytes
+from api.rebenchmark_sampling import Sampling
 from api.rebenchmark_watch import watched, watched_levels
-from api.wording import counted
 from models.artifact import Artifact
 from models.evaluation import OUTER_FOLDS
 from renderers.clock import truthful_clock
@@ -27,27 +27,19 @@ from renderers.registry import TECHNIQUES, technique
 from scenes.atomic_file import write_atomically
 from selector.benchmark.code_version import code_versions, commit
 from selector.benchmark.device_rows import device_row, software_threads
-from selector.benchmark.questions import Question
 from selector.benchmark.running import Benchmark
-from selector.evidence.rows import DeviceRow, InstanceRow, Judgement, Purpose, Timing
+from selector.evidence.rows import DeviceRow, InstanceRow, Purpose
 from selector.evidence.store import Store
 from selector.evidence.superseding import remark
-from selector.measurement import Status
 from selector.policy import Policy
-from selector.rebenchmark.calmness import calm_instances
-from selector.rebenchmark.drift import shifts
 from selector.rebenchmark.locking import beside, locked
 from selector.rebenchmark.origins import Asking, asking
-from selector.rebenchmark.pairing import Paired, differences, holding, newest_code, paired
-from selector.rebenchmark.remeasuring import Bench, sample_orders, stale_orders
+from selector.rebenchmark.remeasuring import Bench, stale_orders
 from selector.rebenchmark.report import Json, Judged, Report, Sampled, Watched, record
-from selector.rebenchmark.sampling import sample
 from selector.rebenchmark.scratch import began, begun_sample, bring_in, discard
 from selector.rebenchmark.staleness import Freshness, Reason, freshness, predecessor
 
 LOCK, SAMPLE = ".rebenchmark.lock", ".rebenchmark.sample"
-RETRIES = 2
-"""Instances that other programs have disturbed are timed again so often."""
 JSON_BEGINNING = b'{\n  "format": "gnomon rebenchmark"'
 """How the JSON of a report begins, and no other JSON does."""
 
@@ -242,7 +234,9 @@ class _Job:
         asked = asking(concerned, self.request.levels)
         with ExitStack() as open_stores:
             scratch = open_stores.enter_context(Store.open(str(sample_path)))
-            sampled = self._sample(scratch, fresh, rows, asked)
+            here, runs = self.machine.device, self.listener.runs
+            sampling = Sampling(self.store, scratch, self.bench, here, self.former, rows, asked, runs)
+            sampled = sampling.taken(fresh.parts, self.request.sample)
             causes = self._causes(sampled, fresh)
             report = replace(
                 report, stale=fresh.counts(), unreachable=asked.problems, sampled=sampled, causes=causes
@@ -255,99 +249,6 @@ class _Job:
         if causes:
             report = self._bring_up_to_date(report, rows, asked)
         return self._finish(report, causes)
-
-    def _sample(
-        self, scratch: Store, fresh: Freshness, rows: Mapping[str, InstanceRow], asked: Asking
-    ) -> Sampled:
-        techniques = self._timed_techniques(fresh, asked.questions)
-        families = {key: rows[key].family for key in techniques}
-        here = [one.key for one in (self.machine.device, self.former) if one]
-        telling = frozenset().union(*(calm_instances(self.store.timings(device=key)) for key in here))
-        keys = sample(techniques, families, telling, self.request.sample, self.bench.seed)
-        wanted = {key: techniques[key] for key in keys}
-        failed: dict[str, str] = {}
-        remarks: dict[str, None] = {}
-        found = self._measured(scratch, wanted, telling, rows, asked, failed, remarks)
-        compared, differing = differences(self._judgements(keys), scratch.judgements())
-        measured = {key for by_instance in found.ratios.values() for key in by_instance}
-        return Sampled(
-            seed=self.bench.seed,
-            wanted=len(keys),
-            measured=len(measured),
-            disturbed=len(found.disturbed),
-            canary_ratio=found.canary_ratio,
-            families=len({families[key] for key in measured}),
-            shifts=shifts({subject: list(logs.values()) for subject, logs in found.ratios.items()}),
-            compared=compared,
-            differences=differing,
-            failed=tuple(failed.items()),
-            remarks=tuple(remarks),
-        )
-
-    def _timed_techniques(self, fresh: Freshness, askable: Mapping[str, Question]) -> dict[str, list[str]]:
-        """Instance's key -> techniques of which times are known."""
-        here = {self.machine.device.key, self.former.key if self.former else None}
-        timed = {
-            (one.instance, one.technique)
-            for one in self.store.dated()
-            if one.status is Status.OK and one.device in here
-        }
-        found: dict[str, list[str]] = defaultdict(list)
-        for instance, name in sorted(fresh.parts & timed):
-            if instance in askable:
-                found[instance].append(name)
-        return found
-
-    def _measured(
-        self,
-        scratch: Store,
-        wanted: Mapping[str, Sequence[str]],
-        telling: Collection[str],
-        rows: Mapping[str, InstanceRow],
-        asked: Asking,
-        failed: dict[str, str],
-        remarks: dict[str, None],
-    ) -> Paired:
-        """Measures the sample, and again what other programs have disturbed; old and new side by side."""
-        left = wanted
-        for attempt in range(1 + RETRIES):
-            for order in sample_orders(self.bench, left, asked.questions, rows, again=attempt > 0):
-                benchmark = Benchmark(scratch, order)
-                count = len(order.questions)
-                self.listener.runs(benchmark, f"Sample, {order.job.purpose} of {counted(count, 'instance')}")
-                failed |= dict(benchmark.score.failed)
-                remarks |= dict.fromkeys(benchmark.notary.remarks)
-            found = self._paired(scratch, list(wanted))
-            # Times of before that are not calm do not become so by new ones.
-            left = {key: wanted[key] for key in wanted if key in found.disturbed and key in telling}
-            if not left or self._late():
-                break
-        return found
-
-    def _paired(self, scratch: Store, keys: Sequence[str]) -> Paired:
-        techniques = {row.key: row.technique for row in self.store.candidates()}
-        techniques |= {row.key: row.technique for row in scratch.candidates()}
-        started = {row.key: row.started for row in self.store.runs()}
-        marks = self.store.marks()
-
-        def before(device: DeviceRow | None) -> list[Timing]:
-            if device is None:
-                return []
-            timings = [row for key in keys for row in self.store.timings(device=device.key, instance=key)]
-            return holding(newest_code(timings, started), started, marks, techniques)
-
-        # A sample that a killed job has left may hold other instances too.
-        new = [row for row in scratch.timings() if row.asked.instance in set(keys)]
-        return paired(before(self.machine.device), new, before(self.former), techniques)
-
-    def _late(self) -> bool:
-        return self.bench.deadline is not None and time.monotonic() >= self.bench.deadline
-
-    def _judgements(self, keys: Iterable[str]) -> list[Judgement]:
-        device, codes = self.machine.device.key, list(self.bench.codes.values())
-        return [
-            row for key in keys for row in self.store.judgements(device=device, instance=key, codes=codes)
-        ]
 
     def _causes(self, sampled: Sampled, fresh: Freshness) -> tuple[str, ...]:
         """Why evidence and model have to change; nothing where all is as it was."""

@@ -10,7 +10,7 @@ canary among slow ones was lucky, and the frames after it were not.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from statistics import median
 
 import numpy as np
@@ -37,21 +37,16 @@ def canaries_ms(timings: Iterable[Timing]) -> dict[Session, float]:
 
 def calm_canary_ms(timings: Iterable[Timing]) -> float:
     """How long the canary takes where little else runs; infinity where nothing was timed."""
-    return _calm_ms(canaries_ms(timings))
+    return calm_of(canaries_ms(timings).values())
+
+
+def calm_of(canaries: Iterable[float]) -> float:
+    """The calm one among canaries of sessions, in milliseconds; infinity where there are none."""
+    known = list(canaries)
+    return float(np.percentile(known, _CALM_SHARE)) if known else float("inf")
 
 
 def calm(timings: Sequence[Timing], canary_ms: float) -> list[Timing]:
     """Timings of sessions whose canary was not much slower than this."""
     known = canaries_ms(timings)
     return [row for row in timings if known.get((row.asked.instance, row.run), 0.0) <= CALM * canary_ms]
-
-
-def calm_instances(timings: Iterable[Timing]) -> frozenset[str]:
-    """Keys of the instances that were timed on a calm machine at least once."""
-    known = canaries_ms(timings)
-    most_ms = CALM * _calm_ms(known)
-    return frozenset(instance for (instance, _), canary_ms in known.items() if canary_ms <= most_ms)
-
-
-def _calm_ms(canaries: Mapping[Session, float]) -> float:
-    return float(np.percentile(list(canaries.values()), _CALM_SHARE)) if canaries else float("inf")

@@ -46,24 +46,25 @@ class Bench:
 
 def sample_orders(
     bench: Bench,
+    purpose: Purpose,
     sampled: Mapping[str, Collection[str]],
     questions: Mapping[str, Question],
     rows: Mapping[str, InstanceRow],
     *,
     again: bool = False,
 ) -> Iterator[Order]:
-    """Errors, then times of the sampled instances, for a store of their own.
+    """Errors or times of the sampled instances, for a store of their own.
 
     Args:
         bench: How.
+        purpose: Which.
         sampled: Instance's key -> ids of techniques, in the order in which they are to be asked.
         questions: Instance's key -> question.
         rows: Instance's key -> instance.
         again: Whether there are times already, and others are to stand beside them.
     """
-    for purpose in (Purpose.TIMES,) if again else Purpose:
-        for group, keys in _groups(sampled, rows).items():
-            yield _order(bench, purpose, group, [questions[key] for key in keys], resume=not again)
+    for group, keys in _groups(sampled, rows).items():
+        yield _order(bench, purpose, group, [questions[key] for key in keys], resume=not again)
 
 
 def stale_orders(

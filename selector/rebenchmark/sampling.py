@@ -10,29 +10,21 @@ from selector.rebenchmark.drift import FEWEST
 
 
 def sample(
-    techniques: Mapping[str, Collection[str]],
-    families: Mapping[str, str],
-    telling: Collection[str],
-    size: int,
-    seed: int,
+    techniques: Mapping[str, Collection[str]], families: Mapping[str, str], size: int, seed: int
 ) -> tuple[str, ...]:
     """Keys of instances, in the order in which they are measured; the same for the same seed.
 
     Families take turns, in an order that the seed shuffles, as do the instances of each; so wherever a job is
-    stopped, families have had the same number, give or take one. Instances that can tell nothing of drift
-    come after all others, whatever their family: where other programs were at work for half of the evidence,
-    a sample that took no notice told of 3 or 4 of 14. More than `size` are taken only where a technique would
-    have fewer instances than a test for drift needs.
+    stopped, families have had the same number, give or take one. More than `size` are taken only where a
+    technique would have fewer instances than a test for drift needs.
 
     Args:
         techniques: Instance's key -> ids of the techniques that were timed on it.
         families: Instance's key -> its family.
-        telling: Keys of instances whose times of before are worth comparing with.
         size: How many.
         seed: Another seed gives another sample.
     """
-    order = _in_turns(techniques.keys() & set(telling), families, seed)
-    order += _in_turns(techniques.keys() - set(telling), families, seed)
+    order = _in_turns(techniques, families, seed)
     chosen, others = order[:size], order[size:]
     covered = Counter(name for key in chosen for name in techniques[key])
     total = Counter(name for key in order for name in techniques[key])
