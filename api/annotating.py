@@ -20,6 +20,7 @@ from api.destinations import (
     MEASUREMENT_KEYS,
     check_in_place,
     check_measurements,
+    check_output,
     check_spares_level,
     check_target,
     default_target,
@@ -168,7 +169,7 @@ def workload(order: Order) -> Iterator[Workload]:
     level = read_level(order.level, order.scene)
     require_triangles(level)
     lights, cameras = chosen_lights(level, order.lights), chosen_cameras(level, order.cameras)
-    _check_output(order, source, level_format)
+    check_output(order, source, level_format)
     standing = level_format.read_annotations(source)
     # What the file's form forbids is found now: a bare annotation meets the same obstacles as a real one.
     trial = level_format.annotate(source, {_node(light): LightAnnotation({}, {}) for light in lights})
@@ -322,15 +323,8 @@ def _measurements_file(work: Workload, found: Sequence[Answer]) -> bytes:
 def _write_added_lights(order: Order, source: bytes, level_format: LevelFormat) -> Path:
     """Writes them when all that is cheap to check has been: a lights file left behind would be in the way."""
     check_place(order.level, order.added_lights)
-    _check_output(order, source, level_format)
+    check_output(order, source, level_format)
     return write_lights_beside(order.level, order.scene, order.added_lights)
-
-
-def _check_output(order: Order, source: bytes, level_format: LevelFormat) -> None:
-    if order.in_place:
-        check_in_place(order.level, source, level_format)
-    else:
-        check_target(order.level, order.target, level_format)
 
 
 def _check_measurements(order: Order, path: Path, named: Sequence[Path]) -> None:

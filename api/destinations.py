@@ -8,6 +8,7 @@ import stat
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Protocol
 
 from scenes.atomic_file import output_error
 from scenes.errors import LevelError, OutputError
@@ -76,6 +77,34 @@ def check_in_place(level: Path, source: bytes, level_format: LevelFormat) -> Non
             remedy="Leave --in-place out, or name the layer.",
         )
     check_writable(level)
+
+
+class Destined(Protocol):
+    """A level that is to be annotated, and where to."""
+
+    @property
+    def level(self) -> Path:
+        """The level file."""
+
+    @property
+    def target(self) -> Path:
+        """The annotated level."""
+
+    @property
+    def in_place(self) -> bool:
+        """Whether that is the level itself."""
+
+
+def check_output(order: Destined, source: bytes, level_format: LevelFormat) -> None:
+    """Refuse an order whose output could not be written.
+
+    Raises:
+        OutputError: It could not.
+    """
+    if order.in_place:
+        check_in_place(order.level, source, level_format)
+    else:
+        check_target(order.level, order.target, level_format)
 
 
 def check_writable(path: Path, option: str = "-o") -> None:

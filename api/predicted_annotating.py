@@ -8,7 +8,7 @@ from pathlib import Path
 
 from api.added_lights import check_place, write_lights_beside
 from api.choosing import require_file, require_triangles
-from api.destinations import check_in_place, check_target
+from api.destinations import check_output
 from api.predicting import Predicted, Wish
 from models.artifact import Artifact
 from scenes.errors import OutputError
@@ -92,11 +92,11 @@ def annotating(order: Order) -> Annotating:
     lights_file = None
     if order.added_lights:
         check_place(order.level, order.added_lights)
-        _check_output(order, source, level_format)
+        check_output(order, source, level_format)
         lights_file = write_lights_beside(order.level, order.scene, order.added_lights)
     level = read_level(order.level, order.scene)
     require_triangles(level)
-    _check_output(order, source, level_format)
+    check_output(order, source, level_format)
     left_behind = luggage(order.level, order.target, source, level_format).left_behind
     return Annotating(order, level, left_behind, lights_file, source, level_format)
 
@@ -123,10 +123,3 @@ def annotated(
 def _node(node: int | None) -> int:
     assert node is not None, "every level format says which node carries a light"
     return node
-
-
-def _check_output(order: Order, source: bytes, level_format: LevelFormat) -> None:
-    if order.in_place:
-        check_in_place(order.level, source, level_format)
-    else:
-        check_target(order.level, order.target, level_format)

@@ -24,6 +24,7 @@ from models.artifact import Artifact
 from scenes.scene import LightKind, Mobility
 from selector.candidate import Candidate
 from selector.learning.predicting import LightFacts
+from selector.level_measuring import STRIKES_NOTHING
 
 MOST_LEVELS = 16
 MOST_BYTES = 32 << 20
@@ -63,6 +64,9 @@ class LevelMemory:
             os.utime(path)
             return _known(json.loads(data))
         found = find()
+        if not all(one.problem in ("", STRIKES_NOTHING) for one in found[1]):
+            # Something went wrong with a light, such as want of memory: it need not do so again.
+            return found
         data = json.dumps(_record(found), separators=(",", ":")).encode()
         if len(data) <= MOST_BYTES:
             # Without room, or without the folder, answers are as right, and slower.

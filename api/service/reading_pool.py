@@ -51,7 +51,7 @@ class ReadingPool:
         Raises:
             OSError: The folder for what they remember cannot be made.
         """
-        self._memory = empty_memory(self._settings.state)
+        empty_memory(self._settings.state)
         for _ in range(self._settings.readers):
             self._hire()
 

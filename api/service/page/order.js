@@ -34,9 +34,9 @@ export function header(name, kind) {
   return html("th", attributes, html("button", { type: "button", class: "sort" }, name));
 }
 
-// Makes a table follow what is wanted, at once and whenever that changes.
+// Makes a table, whose rows stand as the lights do, follow what is wanted, at once and whenever that changes.
 export function keepInOrder(table, lights, arranged) {
-  const groups = lights.map((light) => ({ light, body: table.querySelector(`[data-node="${light.node}"]`), text: wordsOf(light) }));
+  const groups = lights.map((light, index) => ({ light, body: table.tBodies[index], text: wordsOf(light) }));
   for (const button of table.querySelectorAll(".sort")) {
     button.addEventListener("click", () => {
       turn(button.parentElement.dataset.column);

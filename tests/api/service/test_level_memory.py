@@ -25,6 +25,7 @@ from models.artifact import Artifact, load
 from scenes.scene import LightKind, Mobility
 from selector.candidate import Candidate
 from selector.learning.predicting import LightFacts
+from selector.level_measuring import STRIKES_NOTHING
 from tests.small_level import POINT, SPOT, small_level, small_scene
 
 ASKED = LevelOptions()
@@ -36,7 +37,7 @@ def known(words: str = "") -> Known:
     facts = LightFacts(LightKind.SPOT, np.array([[0.1, 1 / 3], [-0.0, 1e300]]), refused)
     lights = (
         KnownLight(0, Mobility.STATIC, ("Eye", "\ud800"), facts),
-        KnownLight(1, Mobility.DYNAMIC, problem="No."),
+        KnownLight(1, Mobility.DYNAMIC, problem=STRIKES_NOTHING),
     )
     return Outline(
         "glTF", words, (NamedLight("Lamp", 3, "spot"), NamedLight("\u202e", None, "point"))
@@ -128,6 +129,13 @@ def test_what_cannot_be_read_or_written_is_found_out_again(tmp_path: Path, memor
     shutil.rmtree(place)
     assert not found(memory, level)
     assert not place.exists()
+
+
+def test_what_went_wrong_is_tried_again(tmp_path: Path, memory: LevelMemory) -> None:
+    level, (outline, lights) = placed(tmp_path, a=b"one"), known()
+    failed = outline, (lights[0], replace(lights[1], problem="MemoryError"))
+    assert memory.known(level, ASKED, lambda: failed) == failed
+    assert not found(memory, level)
 
 
 def test_only_what_readers_have_written_is_removed(tmp_path: Path) -> None:
